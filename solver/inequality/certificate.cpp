@@ -2,6 +2,8 @@
 #include "solver/inequality/certificate.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace hvi::solver {
 
@@ -19,7 +21,8 @@ void certify(Position& at, double tolerance, InequalityReport& report, double sn
     const double distance =
         inclusion_distance(law.law(), law.graph(), z.data(), xi.data(), points[p].rows, at.snap(p));
     const double scale = std::max(largest, law.slope_scale());
-    const double ratio = distance == 0.0 ? 0.0 : distance / scale;
+    double ratio = distance == 0.0 ? 0.0 : distance / scale;
+    if (std::isnan(ratio)) ratio = std::numeric_limits<double>::infinity(); // no later one is worse
     if (!(ratio <= report.inclusion)) report.inclusion = ratio, report.worst_point = p;
   }
   report.converged = report.residual <= tolerance && report.inclusion <= tolerance;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace hvi::solver {
 
@@ -14,6 +15,32 @@ double least_at_break(const LawGraph& g, int i) {
 }
 
 } // namespace
+
+Small least_multiplier(const PreparedLaw& law, const Small& z) {
+  const double r = size_of(law, z);
+  if (law.radial() && !(r > 0.0)) return {};
+  const Interval all = clarke(law.law(), law.graph(), r);
+  const double least = std::clamp(0.0, all.low, all.high);
+  const double s =
+      std::abs(least) < unbounded_slope ? least : std::numeric_limits<double>::quiet_NaN();
+  if (!law.radial()) return {s, 0.0, 0.0};
+  return {s * (z[0] / r), s * (z[1] / r), s * (z[2] / r)};
+}
+
+/// Where z is imposed the place follows from it, and no multiplier changes anything.
+void GraphStates::enter_given(int p, const Small& z) {
+  const PreparedLaw& law = points_.law(p);
+  const LawGraph& g = law.graph();
+  const double r = size_of(law, z);
+  const int piece = piece_of(g, r);
+  const bool at_break = piece + 1 < g.pieces() && g.breaks[piece] == r;
+  state[p] = law.radial() && !(r > 0.0) ? -1 : 2 * piece;
+  if (state[p] >= 0 && at_break && law.valid_state(2 * piece + 1)) state[p] = 2 * piece + 1;
+  component[p] = law.component_of_piece(piece);
+  d[p].fill(0.0);
+  points_[p].put(z_hat, z);
+  points_[p].put(xi_hat, least_multiplier(law, z));
+}
 
 GraphStates::GraphStates(const ContactPoints& points)
     : state(points.size()), component(points.size()), z_hat(Vector::Zero(points.rows)),
@@ -89,6 +116,7 @@ void GraphStates::enter(int p, const Vector& z, const Vector& xi) {
   const PreparedLaw& law = points_.law(p);
   const LawGraph& g = law.graph();
   const Small zp = points_[p].of(z), xp = points_[p].of(xi);
+  if (points_[p].given) return enter_given(p, zp);
   const int i = state[p] / 2;
   if (state[p] < 0) return linearise(p, {-1, 0.0, 0.0, 0.0}, {}, xi);
   const Small e = law.radial() ? direction_of(zp, xp) : Small{1.0, 0.0, 0.0};
@@ -110,6 +138,7 @@ void GraphStates::enter(int p, const Vector& z, const Vector& xi) {
 
 void GraphStates::classify(int p, const Vector& z, const Vector& xi, double shrink) {
   const PointData& q = points_[p];
+  if (q.given) return enter_given(p, q.of(z));
   const PreparedLaw& law = points_.law(p);
   const LawComponent& k = law.component(component[p]);
   const double gamma = q.gamma * shrink;

@@ -8,6 +8,9 @@
 
 namespace hvi::solver {
 
+/// The smallest multiplier that a law allows at z; no number where it is infinite.
+Small least_multiplier(const PreparedLaw& law, const Small& z);
+
 class GraphStates {
 public:
   explicit GraphStates(const ContactPoints& points);
@@ -29,6 +32,7 @@ public:
   std::vector<SmallMatrix> d;
 
 private:
+  void enter_given(int p, const Small& z);
   void linearise(int p, const GraphPoint& hit, const Small& direction, const Vector& xi);
 
   const ContactPoints& points_;

@@ -11,10 +11,15 @@ namespace {
 
 Small scaled(double f, const Small& v) { return {f * v[0], f * v[1], f * v[2]}; }
 
-/// A slope of the point's component. One that stands for infinity is no multiplier: a state with it
-/// is no solution.
-double slope_at(const PreparedLaw& law, int component, double r) {
-  const double s = law.on_component(component, r).s;
+/// A slope of the point's component; at an end of the piece that the point is on that of this
+/// piece, not of its neighbour. One that stands for infinity is no multiplier: a state with it is
+/// no solution.
+double slope_at(const PreparedLaw& law, int component, int state, double r) {
+  const LawComponent& k = law.component(component);
+  const LawGraph& g = law.graph();
+  const int piece = state / 2;
+  const bool at_low = state >= 0 && state % 2 == 0 && piece > k.first && r == g.breaks[piece - 1];
+  const double s = at_low ? g.right[piece - 1] : law.on_component(component, r).s;
   return std::abs(s) < unbounded_slope ? s : std::numeric_limits<double>::quiet_NaN();
 }
 
@@ -28,7 +33,7 @@ double certain_scalar(const Position& at, int p, double z, double xi) {
   const double tolerance = at.snap(p);
   const int state = at.places.state[p], i = state / 2;
   if (state % 2 == 1 && std::abs(z - g.breaks[i]) <= tolerance) return clipped(g, i, xi);
-  const double s = slope_at(at.points.law(p), at.places.component[p], z);
+  const double s = slope_at(at.points.law(p), at.places.component[p], state, z);
   // Where the law is far stiffer than the body, rounding of z hides xi: the increments of Newton's
   // steps give it.
   const double stiffness = std::abs(at.places.d[p][0]), slack = stiffness * tolerance;
@@ -48,13 +53,14 @@ Small certain_radial(const Position& at, int p, const Small& z, const Small& xi)
   }
   const Small e = direction_of(z, xi);
   const bool at_break = state % 2 == 1 && state > 0 && std::abs(r - g.breaks[i]) <= tolerance;
-  return scaled(at_break ? clipped(g, i, dot(xi, e)) : slope_at(law, component, r), e);
+  return scaled(at_break ? clipped(g, i, dot(xi, e)) : slope_at(law, component, state, r), e);
 }
 
 } // namespace
 
 Small certain_multiplier(const Position& at, int p) {
   const Small z = at.points[p].of(at.z), xi = at.points[p].of(at.xi);
+  if (at.points[p].given) return least_multiplier(at.points.law(p), z);
   if (at.points.law(p).radial()) return certain_radial(at, p, z, xi);
   return {certain_scalar(at, p, z[0], xi[0]), 0.0, 0.0};
 }

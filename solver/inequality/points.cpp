@@ -61,7 +61,7 @@ namespace {
 PointData point_data(const SparseMatrix& g, const ContactPoint& in, double weight,
                      const Vector& stiffness, const std::vector<int>& users, double typical) {
   double k = 0.0;
-  bool single = true, exclusive = true;
+  bool single = true, exclusive = true, given = true;
   for (int row = in.first_row; row < in.first_row + in.rows; ++row) {
     double sum = 0.0, weighted = 0.0;
     int entries = 0;
@@ -72,6 +72,7 @@ PointData point_data(const SparseMatrix& g, const ContactPoint& in, double weigh
       exclusive = exclusive && users[it.col()] == 1 && it.value() != 0.0;
     }
     single = single && entries <= 1;
+    given = given && entries == 0;
     exclusive = exclusive && entries == 1;
     if (sum > 0.0) k += weighted / (sum * sum) / in.rows;
   }
@@ -79,7 +80,7 @@ PointData point_data(const SparseMatrix& g, const ContactPoint& in, double weigh
   PointData q;
   q.first = in.first_row, q.rows = in.rows, q.weight = weight;
   q.gamma = q.local = weight / k;
-  q.single = single, q.exclusive = exclusive;
+  q.single = single, q.exclusive = exclusive, q.given = given;
   q.penalty = (single ? 1e13 : 1e7) * k / weight;
   return q;
 }

@@ -35,6 +35,7 @@ struct PointData {
   double gamma = 0.0;     ///< resolvent parameter, about the compliance of the body at the point
   bool single = false;    ///< each row touches at most one unknown
   bool exclusive = false; ///< and nothing else touches those unknowns
+  bool given = false;     ///< no row touches an unknown: z is imposed
   double penalty = 0.0;   ///< stiffness (per weight) that holds a resting point at its break
 
   Small of(const Vector& v) const { ///< its rows of v

@@ -25,7 +25,8 @@ void Position::classify(double shrink) {
 
 namespace {
 
-/// Iterations do not get rid of a slope that stands for infinity: they begin at the break before.
+/// Neither iterations nor points whose values are imposed get rid of a slope that stands for
+/// infinity: a search begins at the break before.
 int bounded_state(const PreparedLaw& law, int state, double r) {
   if (state < 0 || state % 2 == 1) return state;
   const double s = law.on_component(law.component_of_piece(state / 2), r).s;
@@ -43,7 +44,7 @@ void Position::take_state(int p, int state) {
     const double r = size_of(law, points[p].of(z));
     state = law.radial() && r == 0.0 ? -1 : 2 * piece_of(law.graph(), r);
   }
-  if (points.by_iterations) state = bounded_state(law, state, size_of(law, points[p].of(z)));
+  state = bounded_state(law, state, size_of(law, points[p].of(z)));
   places.state[p] = state;
   places.component[p] = law.component_of_piece(std::max(state, 0) / 2);
 }

@@ -13,10 +13,12 @@ double finite_or(double v, double otherwise) { return std::isfinite(v) ? v : oth
 PreparedLaw::PreparedLaw(const Law& law, const LawGraph& graph)
     : law_(&law), graph_(&graph), radial_(law.spec().radial) {
   component_of_.resize(graph.pieces());
-  slope_scale_ = std::abs(law.slope(graph, piece_of(graph, 0.0), 0.0));
+  const auto scale_by = [&](double s) { // what stands for infinity is no size of a multiplier
+    if (std::abs(s) < unbounded_slope) slope_scale_ = std::max(slope_scale_, std::abs(s));
+  };
+  scale_by(law.slope(graph, piece_of(graph, 0.0), 0.0));
   for (std::size_t i = 0; i < graph.breaks.size(); ++i)
-    for (const double s : {std::abs(graph.left[i]), std::abs(graph.right[i])})
-      if (s < unbounded_slope) slope_scale_ = std::max(slope_scale_, s);
+    scale_by(graph.left[i]), scale_by(graph.right[i]);
   int first = 0;
   for (int i = 0; i < graph.pieces(); ++i) {
     component_of_[i] = components();

@@ -93,7 +93,7 @@ GraphJumps jumps_of(const LawGraph& g, bool radial, double origin) {
   for (std::size_t i = 0; i < g.breaks.size(); ++i) jump(g.left[i], g.right[i], g.breaks[i]);
   if (radial)
     jump(-origin, origin, 0.0);
-  else
+  else if (std::abs(origin) < unbounded_slope) // a wall may stand at 0
     out.slope_scale = std::max(out.slope_scale, std::abs(origin));
   return out;
 }

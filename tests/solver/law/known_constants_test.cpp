@@ -96,6 +96,15 @@ TEST(KnownConstants, FindJumpsDownThatMoveOrHide) {
   EXPECT_EQ(known_constants(kink, floor_of(4)).m.low, inf);
 }
 
+/// A wall that stands at 0 is no size of multipliers: beside 1e300 every error would be none.
+TEST(KnownConstants, AWallIsNoScale) {
+  const Expr r = arg();
+  for (const double gap : {0.0, 0.5}) {
+    const Law floor = slope_law("floor", select(less_equal(r, Expr(gap)), Expr(-1e300), Expr(3.0)));
+    EXPECT_EQ(known_constants(floor, {}, 0.0).slope_scale, 3.0);
+  }
+}
+
 /// Pieces that meet but for the rounding of terms far larger than their values do not jump.
 TEST(KnownConstants, RoundingIsNoJump) {
   const Expr r = arg(), root = Expr(-1.462) * sqrt(Expr(0.0294) + pow(r, 2.0));
