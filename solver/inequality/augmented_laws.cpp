@@ -1,17 +1,31 @@
 // Moreau envelopes of the shifted laws (augmented_laws.hpp).
 #include "solver/inequality/augmented_laws.hpp"
 
+#include <algorithm>
+
 namespace hvi::solver {
 
-AugmentedLaws::AugmentedLaws(const Position& at)
+AugmentedLaws::AugmentedLaws(const Position& at, const std::vector<RiseAndFall>* parts)
     : lambda(Vector::Zero(at.points.rows)), z_ref(at.z), d(at.points.size()), points_(at.points),
-      component_(at.places.component), hits_(at.points.size()) {
+      component_(at.places.component), parts_(parts), hits_(at.points.size()) {
   for (int p = 0; p < points_.size(); ++p) {
     const double m = shift(p);
-    const Small x = points_[p].of(at.xi), z = points_[p].of(at.z);
-    points_[p].put(lambda, {x[0] + m * z[0], x[1] + m * z[1], x[2] + m * z[2]});
+    const Small x = points_[p].of(at.xi), z = points_[p].of(at.z), f = fall(p, x);
+    points_[p].put(lambda,
+                   {x[0] + m * z[0] + f[0], x[1] + m * z[1] + f[1], x[2] + m * z[2] + f[2]});
     hits_[p].state = at.places.state[p];
   }
+}
+
+Small AugmentedLaws::fall(int p, const Small& otherwise) const {
+  if (!parts_) return {};
+  const PreparedLaw& law = points_.law(p);
+  const Small ref = points_[p].of(z_ref);
+  const double size = (*parts_)[points_[p].law].fall(size_of(law, ref));
+  if (!law.radial()) return {size, 0.0, 0.0};
+  if (size == 0.0) return {};
+  const Small e = direction_of(ref, otherwise);
+  return {size * e[0], size * e[1], size * e[2]};
 }
 
 Small AugmentedLaws::evaluate(int p, const Small& z, bool with_stiffness) {
@@ -21,7 +35,8 @@ Small AugmentedLaws::evaluate(int p, const Small& z, bool with_stiffness) {
   Small y, out;
   for (int i = 0; i < 3; ++i) y[i] = z[i] + g * l[i];
   const double size = size_of(law, y);
-  hits_[p] = law.resolvent(component_[p], size, g, hits_[p]);
+  hits_[p] = parts_ ? (*parts_)[points_[p].law].resolvent(size, g)
+                    : law.resolvent(component_[p], size, g, hits_[p]);
   const GraphPoint& hit = hits_[p];
   const double ratio = law.radial() && size > 0.0 ? hit.z / size : 0.0;
   const bool at_break = hit.state < 0 || hit.state % 2 == 1;
@@ -59,9 +74,10 @@ SmallMatrix AugmentedLaws::stiffness(int p, const Small& y, double size, double 
 
 Small AugmentedLaws::in_equation(int p, const Small& l, const Small& z) const {
   const double m = shift(p);
-  const Small ref = points_[p].of(z_ref);
+  const Small ref = points_[p].of(z_ref), f = fall(p, l);
   Small out;
-  for (int i = 0; i < 3; ++i) out[i] = l[i] - theta_ * m * z[i] - (1.0 - theta_) * m * ref[i];
+  for (int i = 0; i < 3; ++i)
+    out[i] = l[i] - theta_ * m * z[i] - (1.0 - theta_) * m * ref[i] - f[i];
   return out;
 }
 
@@ -76,9 +92,11 @@ void AugmentedLaws::take_concave_part(double theta) {
 void AugmentedLaws::hand_over(Position& to) const {
   for (int p = 0; p < points_.size(); ++p) {
     const double m = shift(p);
-    const Small l = points_[p].of(lambda), z = points_[p].of(to.z);
-    points_[p].put(to.xi, {l[0] - m * z[0], l[1] - m * z[1], l[2] - m * z[2]});
+    const Small l = points_[p].of(lambda), z = points_[p].of(to.z), f = fall(p, l);
+    points_[p].put(to.xi, {l[0] - m * z[0] - f[0], l[1] - m * z[1] - f[1], l[2] - m * z[2] - f[2]});
     to.places.state[p] = hits_[p].state;
+    if (parts_)
+      to.places.component[p] = points_.law(p).component_of_piece(std::max(hits_[p].state, 0) / 2);
   }
 }
 

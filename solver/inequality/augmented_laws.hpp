@@ -6,15 +6,20 @@
 // theta = 1 where S - G^T W M G is positive definite: then this is one convex problem. Otherwise
 // the concave part is linearised at z_ref in part. For a fixed multiplier lambda the Moreau
 // envelope of jhat makes a convex C^1 function of c, whose derivative by z is `evaluate`.
+//
+// Given `parts`, jhat' is the rising part of each law on all of its pieces, and what is taken at
+// z_ref is its fall (rise_and_fall.hpp); m and theta are 0 then.
 #pragma once
 
 #include "solver/inequality/position.hpp"
+#include "solver/inequality/rise_and_fall.hpp"
 
 namespace hvi::solver {
 
 class AugmentedLaws {
 public:
-  explicit AugmentedLaws(const Position& at); ///< multipliers, states and z_ref from there
+  /// Multipliers, states and z_ref from there. `parts`: of each prepared law; null for shifts.
+  AugmentedLaws(const Position& at, const std::vector<RiseAndFall>* parts);
   /// New multiplier of jhat for point p at z; with `stiffness`, its D in `d`.
   Small evaluate(int p, const Small& z, bool stiffness);
   /// xi that stands in the equation: lambda - theta m z - (1 - theta) m z_ref.
@@ -29,11 +34,13 @@ public:
   std::vector<SmallMatrix> d; ///< second derivatives, by point
 
 private:
-  double shift(int p) const { return points_.law(p).component(component_[p]).m; }
+  double shift(int p) const { return parts_ ? 0.0 : points_.law(p).component(component_[p]).m; }
+  Small fall(int p, const Small& otherwise) const; ///< at z_ref; 0 without parts
   SmallMatrix stiffness(int p, const Small& y, double size, double gamma) const;
 
   const ContactPoints& points_;
   const std::vector<int>& component_;
+  const std::vector<RiseAndFall>* parts_;
   double theta_ = 1.0;
   std::vector<GraphPoint> hits_;
 };

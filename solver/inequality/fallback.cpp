@@ -35,7 +35,8 @@ constexpr double still_falls = 0.97;
 /// The convex problem of one outer step.
 class AugmentedProblem {
 public:
-  AugmentedProblem(Position& at, LastFactor& factor) : laws(at), w_(at), factor_(factor) {}
+  AugmentedProblem(Position& at, LastFactor& factor, const std::vector<RiseAndFall>* parts)
+      : laws(at, parts), w_(at), factor_(factor) {}
   bool choose_theta(InequalityReport& report);
   MethodOutcome minimise(int limit, InequalityReport& report);
   void update_multipliers();
@@ -188,13 +189,24 @@ private:
   std::vector<Track> tracks_;
 };
 
-} // namespace
+/// Is no point beyond the end of its component, where the law is another one?
+bool within_components(const Position& at) {
+  for (int p = 0; p < at.points.size(); ++p) {
+    const PreparedLaw& law = at.points.law(p);
+    if (law.components() == 1) continue;
+    const LawComponent& k = law.component(at.places.component[p]);
+    const double r = size_of(law, at.points[p].of(at.z)), eps = at.snap(p);
+    if (r > k.high + eps || r < k.low - eps) return false;
+  }
+  return true;
+}
 
-MethodOutcome solve_globally(Position& at, LastFactor& factor, ActiveSetNewton& newton,
-                             const InequalityOptions& options, InequalityReport& report) {
+MethodOutcome solve_convex_parts(Position& at, LastFactor& factor, ActiveSetNewton& newton,
+                                 const std::vector<RiseAndFall>* parts,
+                                 const InequalityOptions& options, InequalityReport& report) {
   report.used_fallback = true;
   at.update_arguments();
-  AugmentedProblem f(at, factor);
+  AugmentedProblem f(at, factor, parts);
   if (!f.choose_theta(report)) return MethodOutcome::indefinite;
   double least = smallest_gamma;
   Vector trial;
@@ -203,7 +215,7 @@ MethodOutcome solve_globally(Position& at, LastFactor& factor, ActiveSetNewton& 
   for (int outer = 0; outer < longest; ++outer) {
     const auto inner = f.minimise(options.max_iterations, report);
     if (inner == MethodOutcome::indefinite && f.laws.shrink >= 1.0) return inner;
-    if (running.look()) return MethodOutcome::left;
+    if (!parts && running.look()) return MethodOutcome::left;
     const double error = at.balance.errors(at.c, at.xi).worst;
     if (outer >= long_enough && !(error <= still_falls * last)) break;
     last = error;
@@ -211,7 +223,8 @@ MethodOutcome solve_globally(Position& at, LastFactor& factor, ActiveSetNewton& 
     const Vector kept_c = at.c;
     f.laws.hand_over(at);
     at.classify();
-    if (newton.solve(at, 12, report) == MethodOutcome::solved) return MethodOutcome::solved;
+    if (newton.solve(at, 12, report) == MethodOutcome::solved && (!parts || within_components(at)))
+      return MethodOutcome::solved;
     at.c = kept_c;
     at.update_arguments();
     f.laws.hand_over(at);
@@ -236,6 +249,20 @@ MethodOutcome solve_globally(Position& at, LastFactor& factor, ActiveSetNewton& 
     return MethodOutcome::failed;
   at.xi = trial;
   return MethodOutcome::solved;
+}
+
+} // namespace
+
+MethodOutcome solve_globally(Position& at, LastFactor& factor, ActiveSetNewton& newton,
+                             const InequalityOptions& options, InequalityReport& report) {
+  return solve_convex_parts(at, factor, newton, nullptr, options, report);
+}
+
+MethodOutcome solve_by_falls(Position& at, LastFactor& factor, ActiveSetNewton& newton,
+                             const InequalityOptions& options, InequalityReport& report) {
+  std::vector<RiseAndFall> parts;
+  for (const PreparedLaw& law : at.points.laws.all()) parts.emplace_back(law);
+  return solve_convex_parts(at, factor, newton, &parts, options, report);
 }
 
 } // namespace hvi::solver

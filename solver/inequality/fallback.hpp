@@ -10,4 +10,10 @@ namespace hvi::solver {
 MethodOutcome solve_globally(Position& at, LastFactor& factor, ActiveSetNewton& newton,
                              const InequalityOptions& options, InequalityReport& report);
 
+/// The same on all components at once, with each law split into what rises and what falls
+/// (rise_and_fall.hpp): the energy does not rise however steeply a law falls, and whatever it
+/// jumps.
+MethodOutcome solve_by_falls(Position& at, LastFactor& factor, ActiveSetNewton& newton,
+                             const InequalityOptions& options, InequalityReport& report);
+
 } // namespace hvi::solver

@@ -90,8 +90,25 @@ MethodOutcome ComponentSearch::solve_here(Position& at, Methods methods, Inequal
   return solve_globally(at, factor_, newton_, options_, report);
 }
 
+/// On the components that the points are on, and those next to them; at last on all at once.
 MethodOutcome ComponentSearch::solve(Position& at, Methods methods, InequalityReport& report) {
   component_start_ = at.places.component;
+  InequalityState start;
+  if (methods == Methods::all) at.store(start);
+  const Vector z_start = at.z_start;
+  MethodOutcome outcome = solve_by_components(at, methods, report);
+  if (outcome != MethodOutcome::solved && methods == Methods::all && at.points.laws.may_soften() &&
+      factor_.op().symmetric()) {
+    at.load(start);
+    at.z_start = z_start;
+    outcome = solve_by_falls(at, factor_, newton_, options_, report);
+  }
+  if (outcome == MethodOutcome::solved) count_events(at, component_start_, report);
+  return outcome;
+}
+
+MethodOutcome ComponentSearch::solve_by_components(Position& at, Methods methods,
+                                                   InequalityReport& report) {
   const int cap = 20 * at.points.size() + 100;
   int moves = 0;
   for (int round = 0;; ++round) {
@@ -111,7 +128,6 @@ MethodOutcome ComponentSearch::solve(Position& at, Methods methods, InequalityRe
     }
     at.z_start = at.z;
   }
-  count_events(at, component_start_, report);
   return MethodOutcome::solved;
 }
 

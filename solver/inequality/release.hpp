@@ -33,6 +33,7 @@ public:
   MethodOutcome solve_branch(Position& at, Methods methods, InequalityReport& report);
 
 private:
+  MethodOutcome solve_by_components(Position& at, Methods methods, InequalityReport& report);
   MethodOutcome solve_here(Position& at, Methods methods, InequalityReport& report);
 
   LastFactor& factor_;
