@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace hvi::solver {
 
@@ -21,8 +20,7 @@ Small least_multiplier(const PreparedLaw& law, const Small& z) {
   if (law.radial() && !(r > 0.0)) return {};
   const Interval all = clarke(law.law(), law.graph(), r);
   const double least = std::clamp(0.0, all.low, all.high);
-  const double s =
-      std::abs(least) < unbounded_slope ? least : std::numeric_limits<double>::quiet_NaN();
+  const double s = std::abs(least) < unbounded_slope ? least : 0.0;
   if (!law.radial()) return {s, 0.0, 0.0};
   return {s * (z[0] / r), s * (z[1] / r), s * (z[2] / r)};
 }

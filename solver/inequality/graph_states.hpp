@@ -8,7 +8,8 @@
 
 namespace hvi::solver {
 
-/// The smallest multiplier that a law allows at z; no number where it is infinite.
+/// The smallest multiplier that a law allows at z; 0 where it allows none, as the certificate
+/// finds.
 Small least_multiplier(const PreparedLaw& law, const Small& z);
 
 class GraphStates {

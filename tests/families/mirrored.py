@@ -3,7 +3,8 @@
 usage: mirrored.py HVI_RUN [--scenes N] [--seed S] [--only K,K,..] [--keep FOLDER]
 
 A block whose wall and ground share an edge, with a law that rises: straight pieces, jumps up, curved ones, walls (1e300) on
-either side, at 0 as well, where held nodes touch them. Both scripts have the same one solution, and are certified.
+either side, at 0 as well, where held nodes touch them. Both scripts have the same one solution, and are certified. Where held
+nodes are beyond a wall the program says so.
 """
 import argparse
 import json
@@ -85,6 +86,25 @@ report
 """
 
 
+def impossible(sign):
+    """A held node beyond the wall, with Coulomb's friction beside it, whose bound is what the wall cannot say."""
+    laws = ["superpotential j(r) with slope | r < 0.1 -> -1e300 | otherwise -> 0", "superpotential j(r) with slope | r > -0.1 -> 1e300 | otherwise -> 0"]
+    u = "u.nu" if sign > 0 else "-u.nu"
+    return f"""mesh body = rectangle(2, 1, cells = [2, 1])
+part held = body.left
+part ground = body.bottom
+tensor B = isotropic(lambda = 1, mu = 1)
+{laws[sign < 0]}
+superpotential rub(w) = 0.3*abs(j.xi)*norm(w)
+space V = vector P1 on body, zero on held
+find u in V
+such that for all v in V
+  integral(body, B : eps(u) : eps(v)) + integral(ground, j^0({u}; {u.replace('u.', 'v.')}) + rub^0(u.tau; v.tau)) >= integral(ground, dot([0, -1], v))
+report
+  table y = u.y at [2, 0]
+"""
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("program")
@@ -96,6 +116,13 @@ def main():
     bad = 0
     chosen = [int(k) for k in options.only.split(",")] if options.only else range(options.scenes)
     with tempfile.TemporaryDirectory() as temporary:
+        for sign in (1, -1):
+            path = pathlib.Path(temporary) / "impossible.hvi"
+            path.write_text(impossible(sign))
+            run = subprocess.run([options.program, "run", path, "--no-files", "--quiet"], capture_output=True, text=True)
+            if run.returncode != 3 or "imposed values take" not in run.stderr:
+                bad += 1
+                print(f"impossible {sign:+}: {run.returncode}, {' '.join(run.stderr.split())[:200]}")
         for k in chosen:
             answers = []
             for sign in (1, -1):
