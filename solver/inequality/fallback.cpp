@@ -28,9 +28,6 @@ constexpr double smallest_gamma = 1e-16, step_of_gamma = 10.0;
 /// Below this residual, so many steps that do not halve it show that rounding is all that is left.
 constexpr double nearly_solved = 1e-6;
 constexpr int patience = 10;
-/// Outer steps; beyond the first number only as long as each takes so much of the error.
-constexpr int long_enough = 80, longest = 400;
-constexpr double still_falls = 0.97;
 
 /// The convex problem of one outer step.
 class AugmentedProblem {
@@ -211,14 +208,10 @@ MethodOutcome solve_convex_parts(Position& at, LastFactor& factor, ActiveSetNewt
   double least = smallest_gamma;
   Vector trial;
   RunningAway running(at);
-  double last = std::numeric_limits<double>::infinity();
-  for (int outer = 0; outer < longest; ++outer) {
+  for (int outer = 0; outer < 80; ++outer) {
     const auto inner = f.minimise(options.max_iterations, report);
     if (inner == MethodOutcome::indefinite && f.laws.shrink >= 1.0) return inner;
     if (!parts && running.look()) return MethodOutcome::left;
-    const double error = at.balance.errors(at.c, at.xi).worst;
-    if (outer >= long_enough && !(error <= still_falls * last)) break;
-    last = error;
     f.update_multipliers();
     const Vector kept_c = at.c;
     f.laws.hand_over(at);

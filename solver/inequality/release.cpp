@@ -99,9 +99,19 @@ MethodOutcome ComponentSearch::solve(Position& at, Methods methods, InequalityRe
   MethodOutcome outcome = solve_by_components(at, methods, report);
   if (outcome != MethodOutcome::solved && methods == Methods::all && at.points.laws.may_soften() &&
       factor_.op().symmetric()) {
+    // What failed may be as good as rounding allows, which the certificate says.
+    const Vector c = at.c, xi = at.xi;
+    const GraphStates places = at.places;
     at.load(start);
     at.z_start = z_start;
-    outcome = solve_by_falls(at, factor_, newton_, options_, report);
+    if (solve_by_falls(at, factor_, newton_, options_, report) == MethodOutcome::solved) {
+      outcome = MethodOutcome::solved;
+    } else {
+      at.c = c, at.xi = xi;
+      at.places.state = places.state, at.places.component = places.component;
+      at.places.z_hat = places.z_hat, at.places.xi_hat = places.xi_hat, at.places.d = places.d;
+      at.update_arguments();
+    }
   }
   if (outcome == MethodOutcome::solved) count_events(at, component_start_, report);
   return outcome;
