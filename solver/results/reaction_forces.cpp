@@ -220,7 +220,10 @@ ReactionForces::FormRows ReactionForces::rows_with(const Vector& states) const {
           sum[it.col()] += it.value();
           touched.insert(static_cast<int>(it.col()));
         }
-      for (const int dof : touched) out.of[i][static_cast<std::size_t>(field)].add(dof, sum[dof]);
+      // Entries of other unknowns are zero where nothing couples them, and may be of what is no
+      // number (their derivatives at the initial time).
+      for (const int dof : touched)
+        if (sum[dof] != 0.0) out.of[i][static_cast<std::size_t>(field)].add(dof, sum[dof]);
     }
   }
   return out;

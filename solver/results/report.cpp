@@ -91,12 +91,16 @@ void Reporter::write_fields(FieldSeries& series) {
 }
 
 void Reporter::begin(const RunState& run) {
+  balance_at_start_ = run.solver.equations.laws.start_known();
+  if (keeps_before_) {
+    start_ = before_;
+    start_.take_start(run, plan_.problem, discretisation_.space);
+  }
   const bool row = tables_.from_start();
   if (!row && std::ranges::none_of(fields_, &FieldSeries::from_start)) return;
-  now_.take_start(run, in_motion(plan_.problem));
+  now_.take_start(run, plan_.problem, discretisation_.space);
   if (row) {
-    const bool balance = run.solver.equations.laws.start_known();
-    probes_.evaluate_start(now_, balance, values_);
+    probes_.evaluate_start(now_, balance_at_start_, values_);
     tables_read_.refuse_outside(now_, now_, values_);
     add_row(run);
   }
@@ -109,15 +113,18 @@ void Reporter::begin(const RunState& run) {
 void Reporter::read_between_steps(const RunState& run) {
   const double from = before_.t(), to = now_.t();
   const bool first = run.evolution.step() == 1;
-  const auto state_at = [&](double at) -> const Snapshot& {
+  const auto share_at = [&](double at) {
     const bool constant = plan_.problem.time.interpolant == Interpolant::constant && at > from;
-    between_.interpolate(before_, now_, constant ? 1.0 : (at - from) / (to - from));
+    return constant ? 1.0 : (at - from) / (to - from);
+  };
+  const auto state_at = [&](double at) -> const Snapshot& {
+    between_.interpolate(first ? start_ : before_, now_, share_at(at));
     return between_;
   };
   for (const int i : probes_.timed(from, to, first)) {
     const double at = *plan_.report.probes[i].time;
     if (probes_.of_steps(i)) {
-      read_of_steps(i, first ? 1.0 : (at - from) / (to - from));
+      values_[i] = of_steps_at(i, share_at(at));
       continue;
     }
     values_[i] = probes_.value(i, state_at(at), before_);
@@ -126,14 +133,15 @@ void Reporter::read_between_steps(const RunState& run) {
   pictures_.take_between(from, to, first, state_at);
 }
 
-/// What holds for a step is affine between the ends of two; where it is of the step as a whole,
-/// and in the first step, it is that of the step.
-void Reporter::read_of_steps(int i, double share) {
+/// What holds for a step is affine between the ends of two; where it is of the step as a whole, and
+/// in a first step without a balance of forces at its start, it is that of the step.
+double Reporter::of_steps_at(int i, double share) {
+  const bool first = now_.step() == 1;
+  const bool known_before = !probes_.look_back() && (!first || balance_at_start_);
+  if (share == 0.0 && first && !known_before) return std::nan("");
   const double now = probes_.value(i, now_, before_);
-  const bool of_one = probes_.look_back() || share == 1.0 ||
-                      plan_.problem.time.interpolant == Interpolant::constant;
-  values_[static_cast<std::size_t>(i)] =
-      of_one ? now : (1.0 - share) * probes_.value(i, before_, before_) + share * now;
+  if (share == 1.0 || !known_before) return now;
+  return (1.0 - share) * probes_.value(i, before_, before_) + share * now;
 }
 
 void Reporter::finish(RunResult& result) {

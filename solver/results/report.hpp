@@ -72,7 +72,7 @@ private:
   };
   void prepare_fields(const RunState& run, const RunSettings& settings);
   void read_between_steps(const RunState& run);
-  void read_of_steps(int i, double share);
+  double of_steps_at(int i, double share);
   std::vector<double> change_along(const ErrorSample& direction, double step);
   void write_fields(FieldSeries& series);
   void add_row(const RunState& run);
@@ -89,7 +89,9 @@ private:
   std::vector<FieldSeries> fields_;
   RunPictures pictures_;
   Snapshot now_, before_, between_;
+  Snapshot start_; ///< with what is not known at the initial time, where something is asked between
   bool keeps_before_ = false, rows_read_interior_ = false, every_value_ = false;
+  bool balance_at_start_ = false;
   std::vector<double> values_; ///< by probe
   bool ended_ = false;         ///< the last step is recorded
   int last_recorded_ = -1;

@@ -1,10 +1,21 @@
 // Full vectors of u, its derivatives and the history fields for a report; see fields.hpp.
 #include "solver/step/fields.hpp"
 
+#include "solver/plan/couplings.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 namespace hvi::solver {
+namespace {
+
+/// The values of one unknown are not known.
+void forget(Vector& values, const Space& space, const SpaceBlock& unknown) {
+  for (int node = 0; node < std::ssize(space.nodes); ++node)
+    values.segment(space.dof(node, unknown.first), unknown.components).setConstant(std::nan(""));
+}
+
+} // namespace
 
 Snapshot::Snapshot(std::vector<bool> needed, int n_dofs, int n_rows)
     : needed_(std::move(needed)), fields_(needed_.size()), xi_(Vector::Zero(n_rows)) {
@@ -59,13 +70,19 @@ void Snapshot::take(const RunState& run, bool whole) {
   step_ = run.evolution.step();
 }
 
-void Snapshot::take_start(const RunState& run, bool moves) {
+void Snapshot::take_start(const RunState& run, const Problem& problem, const Space& space) {
   take(run);
   const bool balance = run.solver.equations.laws.start_known();
-  const auto forget = [](Vector& v) { v.setConstant(std::nan("")); };
-  for (int j = 1; j <= highest_derivative; ++j)
-    if (needed_[field_of_u(j)] && !(balance || (moves && j == 1))) forget(fields_[field_of_u(j)]);
-  if (!balance) forget(xi_);
+  if (!balance) xi_.setConstant(std::nan(""));
+  if (problem.time.start) return; // nothing moves
+  const bool accelerations = balance && run.evolution.scheme().needs_acceleration();
+  const std::vector<int> orders = orders_in_time(problem);
+  for (int j = 1; j <= highest_derivative; ++j) {
+    Vector& derivative = fields_[field_of_u(j)];
+    for (std::size_t b = 0; needed_[field_of_u(j)] && b < orders.size(); ++b)
+      if (j > orders[b] || (j == orders[b] && !accelerations))
+        forget(derivative, space, space.blocks[b]);
+  }
 }
 
 void Snapshot::move(const ErrorSample& error, double step) {
@@ -80,16 +97,16 @@ void Snapshot::move(const ErrorSample& error, double step) {
 }
 
 void Snapshot::interpolate(const Snapshot& a, const Snapshot& b, double theta) {
-  // Nothing is known of u', memory and multipliers at the initial time: the first step's hold.
-  const bool initial = a.step_ == 0;
-  for (std::size_t k = 0; k < fields_.size(); ++k) {
-    if (!needed_[k]) continue;
-    fields_[k] = b.fields_[k];
-    if (is_rate(static_cast<int>(k)) && initial) continue;
-    fields_[k] = (1 - theta) * a.fields_[k] + theta * b.fields_[k];
-  }
-  xi_ = initial ? b.xi_ : Vector((1 - theta) * a.xi_ + theta * b.xi_);
-  states_ = (1 - theta) * a.states_ + theta * b.states_;
+  const bool initial = a.step_ == 0 && theta > 0.0;
+  const auto between = [&](const Vector& from, const Vector& to) {
+    Vector out = (1 - theta) * from + theta * to;
+    if (initial) out = from.array().isNaN().select(to, out);
+    return out;
+  };
+  for (std::size_t k = 0; k < fields_.size(); ++k)
+    if (needed_[k]) fields_[k] = between(a.fields_[k], b.fields_[k]);
+  xi_ = between(a.xi_, b.xi_);
+  states_ = between(a.states_, b.states_);
   t_ = (1 - theta) * a.t_ + theta * b.t_;
   step_ = b.step_;
 }

@@ -18,12 +18,12 @@ public:
   void take(const RunState& run) { take(run, true); }
   /// Not `whole`: contact unknowns and observed dofs only, where states hold nothing else.
   void take(const RunState& run, bool whole);
-  /// The initial state before the first step: what is not known there is NaN. `moves`: there is
-  /// u'', so that u' is known.
-  void take_start(const RunState& run, bool moves);
+  /// The initial state before the first step: what is not known there is NaN.
+  void take_start(const RunState& run, const Problem& problem, const Space& space);
   /// Adds `step` times the error to all fields and multipliers.
   void move(const ErrorSample& error, double step);
-  /// this = (1 - theta) a + theta b: the piecewise affine interpolant between grid times.
+  /// this = (1 - theta) a + theta b: the piecewise affine interpolant between grid times. What is
+  /// not known at the initial time, where `a` is that, is b's in the whole step (0 < theta).
   void interpolate(const Snapshot& a, const Snapshot& b, double theta);
 
   FieldValues values() const { return {pointers_, t_}; }

@@ -7,6 +7,7 @@
 - Forms that change in time against the same ones without time, with coefficients that vary in space, and laws on the same cells.
 - What follows a static start: creep with a memory against the scalar equation it is, rest where nothing changes, with mass too.
 - Tables and fields `from start`: the rows of the steps are the same bytes, what is not known is empty, resumed runs are the same.
+- Values at times between those of the steps against the rows at both ends, in the first step from what is known at its start; two unknowns of which one has no known rate there.
 - Stiffness and viscosity that change in time, random scenes: each step against a script without time.
 """
 import csv
@@ -284,6 +285,52 @@ def check_rows(folder):
     assert resumed == [(folder / "out" / name).read_bytes() for name in names]
 
 
+BETWEEN = """mesh body = rectangle(2, 1, cells = [4, 2])
+part wall = body.left
+part ground = body.bottom
+tensor A = isotropic(lambda = 1, mu = 2)
+tensor B = isotropic(young = 100, poisson = 0.3)
+superpotential layer(r) = 50*pos(r)^2
+space V = vector P1 on body, zero on wall
+space W = scalar P1 on body, zero on wall
+find u in V, theta in W for t in [0, 1] by 5 steps from {start} using scheme = {scheme}, interpolant = {interpolant}
+such that for all v in V, eta in W
+    {mass}integral(body, A : eps(u') : eps(v)) + integral(body, B : eps(u) : eps(v)) + integral(ground, layer^0(u.nu; v.nu))
+  + integral(body, theta'*eta + dot(grad(theta), grad(eta)))
+ >= integral(body, dot([0, -1 - t], v)) + integral(body, 3*eta)
+report
+  table u = u.y at [2, 0], rate = u'.y at [2, 0], theta = theta at [2, 0], change = theta' at [2, 0], force = layer.xi at [2, 0], held = reaction(wall).y, pressed = integral(ground, layer.xi) from start
+  table {timed} to "timed.csv"
+"""
+
+
+def check_between_steps(folder):
+    """In the first step from what is known at its start, else what holds at its end; at the start what is known there."""
+    columns = {"u": "u.y at [2, 0]", "rate": "u'.y at [2, 0]", "theta": "theta at [2, 0]", "change": "theta' at [2, 0]", "force": "layer.xi at [2, 0]",
+               "held": "reaction(wall).y", "pressed": "integral(ground, layer.xi)"}
+    times = [0, 0.05, 0.2, 0.33, 0.95]
+    timed = ", ".join(f"{name}{i} = {what} at t = {t}" for name, what in columns.items() for i, t in enumerate(times))
+    given, static = "u = 0, u' = [0, -0.1*x], theta = 0", "u = static, theta = static"
+    for scheme, start, known in (("newmark", given, set(columns)), ("newmark", static, set(columns)), ("bdf2", given, {"u", "rate", "theta"}), ("midpoint", given, {"u", "rate", "theta"}),
+                                 ("hht", given, set(columns) - {"held"}), ("backward_euler", "u = 0, theta = 0", {"u", "theta"}), ("bdf2", static, set(columns))):
+        for interpolant in ("affine", "constant"):
+            mass = "integral(body, dot(u'', v)) + " if "u'" in start or scheme == "newmark" else ""
+            run(folder, BETWEEN.format(start=start, scheme=scheme, interpolant=interpolant, mass=mass, timed=timed))
+            ends, found = rows(folder), rows(folder, "timed")[-1]
+            for name in columns:
+                assert (ends[0][name] is not None) == (name in known), f"{scheme}, {name} at the start: {ends[0][name]}"
+                of_step = name == "held" and scheme in ("hht", "midpoint")
+                for i, t in enumerate(times):
+                    n = max(1, math.ceil(t * 5 - 1e-9))
+                    before, after = ends[n - 1][name], ends[n][name]
+                    share = 1.0 if t > 0 and (interpolant == "constant" or of_step or before is None) else 5 * t - (n - 1)
+                    told = f"{scheme} from {start}, {interpolant}: {name} at {t}"
+                    if share == 0 and before is None:
+                        assert found[f"{name}{i}"] is None, told
+                        continue
+                    near(found[f"{name}{i}"], after if share == 1 else (1 - share) * before + share * after, max(abs(row[name] or 0) for row in ends), told, 1e-12)
+
+
 CHANGES = """param now = 0
 mesh body = rectangle(2, 1, cells = [{cells}, 3])
 part wall = body.left
@@ -367,7 +414,7 @@ def check_notes_of_changing_forms(folder):
 
 
 def main():
-    for check in (check_changing_reactions, check_changing_quadrature, check_static_start, check_sums, check_creep, check_rest, check_refusals, check_rows, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
+    for check in (check_changing_reactions, check_changing_quadrature, check_static_start, check_sums, check_creep, check_rest, check_refusals, check_rows, check_between_steps, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
             print("ok", check.__name__)
