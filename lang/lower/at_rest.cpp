@@ -31,6 +31,7 @@ double times_u(const std::vector<solver::SeenField>& seen) {
 void let_rest(LawUse& use) {
   if (use.seen.empty()) {
     if (use.field != solver::field_of_u(0)) use.factor = 0.0;
+    use.field = solver::field_of_u(0);
     return;
   }
   bool any = false, once = true;

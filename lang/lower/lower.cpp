@@ -49,6 +49,7 @@ public:
       plan_.problem.histories.push_back({kernel.origin, kernel});
     }
     for (const ModelTerm& term : model_.terms) lower_term(term);
+    revive_needed_laws();
     rename_report();
     give_common_points(plan_.problem);
     keep_used_tensors();
@@ -227,11 +228,58 @@ private:
     const Symbol factor = term.factor * use.factor;
     applications_.push_back(-1);
     if (factor.is(0.0) || model_.laws[use.law].spec.expression.is(0.0)) {
+      dropped_.push_back({&term, &use, applications_.size() - 1});
       for (solver::Probe& probe : plan_.report.probes)
         if (probe.part == term.part) probe.may_be_free = true;
       return;
     }
-    applications_.back() = static_cast<int>(plan_.problem.law_terms.size());
+    add_law(term, use, factor, applications_.size() - 1);
+  }
+
+  /// States live at the points of a law, and a bound is the multiplier of one: where the only one
+  /// was dropped it stays, as a law without force.
+  void revive_needed_laws() {
+    const auto acts_on = [&](int part) {
+      return std::ranges::any_of(plan_.problem.law_terms,
+                                 [&](const auto& term) { return term.part == part; });
+    };
+    for (const solver::StateTerm& state : plan_.problem.states) {
+      const bool in_body =
+          model_.parts[static_cast<std::size_t>(state.part)].kind == Group::Kind::cells;
+      if (!in_body && !acts_on(state.part))
+        revive([&](const DroppedLaw& law) { return law.term->part == state.part; });
+    }
+    for (std::size_t l = 0; l < plan_.problem.law_terms.size(); ++l) {
+      const int part = plan_.problem.law_terms[l].part;
+      const std::string& bound = law_of(plan_.problem.law_terms[l]).coupled;
+      const bool there = std::ranges::any_of(plan_.problem.law_terms, [&](const auto& term) {
+        return term.part == part && term.name == bound;
+      });
+      if (!bound.empty() && !there)
+        revive([&](const DroppedLaw& law) {
+          return law.term->part == part && law.use->name == bound;
+        });
+    }
+  }
+
+  template <class Wanted>
+  void revive(Wanted wanted) {
+    const auto found = std::ranges::find_if(dropped_, wanted);
+    if (found == dropped_.end()) return;
+    solver::LawSpec without_force = model_.laws[static_cast<std::size_t>(found->use->law)].spec;
+    without_force.expression = Symbol(0.0);
+    without_force.coupled.clear();
+    without_force.readings.clear();
+    without_force.states.clear();
+    add_law(*found->term, *found->use, Symbol(1.0), found->application);
+    plan_.problem.law_terms.back().law = static_cast<int>(plan_.problem.laws.size());
+    plan_.problem.laws.push_back(std::move(without_force));
+    dropped_.erase(found);
+  }
+
+  void add_law(const ModelTerm& term, const LawUse& use, const Symbol& factor,
+               std::size_t application) {
+    applications_[application] = static_cast<int>(plan_.problem.law_terms.size());
     solver::LawTerm out;
     out.origin = origin(use.span);
     out.name = use.name;
@@ -257,6 +305,12 @@ private:
   Model& model_;
   solver::Plan plan_;
   std::vector<int> applications_; ///< law term of the a-th j^0 of the script, -1 when dropped
+  struct DroppedLaw {
+    const ModelTerm* term;
+    const LawUse* use;
+    std::size_t application;
+  };
+  std::vector<DroppedLaw> dropped_;
 };
 
 } // namespace

@@ -11,13 +11,19 @@
 namespace hvi::solver {
 namespace {
 
+/// Not a law that stands in the start for states or bounds alone: what it would do there is asked
+/// of the law itself.
+bool has_force(const Problem& start, const LawTerm& term) {
+  return !start.laws[static_cast<std::size_t>(term.law)].expression.is(0.0);
+}
+
 /// The law terms of a problem that another one of the same laws has, too.
 std::vector<int> shared_terms(const Problem& problem, const Problem& start) {
   std::vector<int> out;
   for (int l = 0; l < static_cast<int>(problem.law_terms.size()); ++l) {
     const LawTerm& term = problem.law_terms[static_cast<std::size_t>(l)];
     if (std::ranges::any_of(start.law_terms, [&](const LawTerm& other) {
-          return other.name == term.name && other.part == term.part;
+          return other.name == term.name && other.part == term.part && has_force(start, other);
         }))
       out.push_back(l);
   }
@@ -35,6 +41,10 @@ std::vector<double> by_written_rows(const Problem& problem, const Discretisation
     const bool radial = problem.laws[static_cast<std::size_t>(term.law)].radial;
     const LawPoints points =
         assemble_law(d.space, d.parts[static_cast<std::size_t>(term.part)], term, l, radial);
+    if (!has_force(problem, term)) {
+      taken += static_cast<Eigen::Index>(points.x.size()) * points.rows;
+      continue;
+    }
     for (std::size_t p = 0; p < points.x.size(); ++p, taken += points.rows) {
       const Eigen::Map<const Vector> own(xi.data() + taken, points.rows);
       const Vector written = points.frames.empty() ? Vector(own) : Vector(points.frames[p] * own);

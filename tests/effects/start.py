@@ -7,6 +7,7 @@
 - Forms that change in time against the same ones without time, with coefficients that vary in space, and laws on the same cells.
 - What follows a static start: creep with a memory against the scalar equation it is, rest where nothing changes, with mass too.
 - Tables and fields `from start`: the rows of the steps are the same bytes, what is not known is empty, resumed runs are the same.
+- `from u = static` where the only laws at the points of states see rates, and where bounds and sources read the multipliers of such laws: the first row against a static script without them. The same laws times 0.
 - Values at times between those of the steps against the rows at both ends, in the first step from what is known at its start; two unknowns of which one has no known rate there.
 - Stiffness and viscosity that change in time, random scenes: each step against a script without time.
 """
@@ -285,6 +286,60 @@ def check_rows(folder):
     assert resumed == [(folder / "out" / name).read_bytes() for name in names]
 
 
+RESTING = """mesh body = rectangle(2, 1, cells = [{cells}, {cells}])
+part wall = body.left
+part ground = body.bottom
+part tip = body.right
+tensor B = isotropic(young = {young}, poisson = 0.3)
+kernel q(lag) = exp(-lag)
+superpotential layer(r) = {stiff}*pos(r)^2
+superpotential damp(r) = {times}*{stiff}*pos(r)^2
+superpotential grip(w) = {bound}*norm(w)
+superpotential rub(w) = {times}*(0.1 + path)*norm(w)
+superpotential slow(w) = norm(w)^2
+{state}
+space V = vector {element} on body, zero on wall
+find u in V {time}
+such that for all v in V
+    integral(body, B : eps(u) : eps(v)) + integral(ground, layer^0(u.nu; v.nu) + grip^0(u.tau; v.tau)){moving}
+ >= integral(body, dot([{pull}, -1 - {t}], v))
+report
+  table end = u at [2, 1], held = reaction(wall), pressed = integral(ground, layer.xi), size = norm(u){more}
+"""
+
+
+def check_laws_at_rest(folder, scenes=8):
+    rng = random.Random(53)
+    path = "state path on tip with rate norm(u') + 0.1*abs(rub.xi.x) from path = 0.25 + 0.1*y"
+    moving = " + integral(ground, damp^0({of}; v.nu)) + integral(tip, rub^0({seen}; v)) + integral(tip, slow^0(u'; v)) - integral(ground, damp.xi*v.x)"
+    for scene in range(scenes):
+        some = {"cells": rng.randint(2, 5), "young": 10 ** rng.uniform(1, 3), "element": rng.choice(["P1", "P2"]), "pull": rng.uniform(-1, 1)}
+        some |= {"stiff": some["young"] * 10 ** rng.uniform(-1, 1)}
+        seen = rng.choice(["u'", "history(q, u)"])
+        run(folder, RESTING.format(**some, times=1, bound=0.02, time="", t=0, moving="", state="fn path() = 0", more="").replace("+ path)", "+ path())"))
+        expected = rows(folder)[-1]
+        time = f"for t in [0, 1] by 3 steps from u = static using scheme = {rng.choice(['backward_euler', 'bdf2'])}"
+        run(folder, RESTING.format(**some, bound="(0.02 + abs(damp.xi))", times=1, time=time, t="t", moving=moving.format(of=rng.choice(["u'.nu", "history(q, u).nu"]), seen=seen), state=path,
+                                   more=", kept = integral(tip, path) from start"))
+        first = rows(folder)[0]
+        for group in (("end_x", "end_y"), ("held_x", "held_y", "pressed"), ("size",)):
+            size = max(abs(expected[name]) for name in group)
+            for name in group:
+                near(first[name], expected[name], size, f"scene {scene}, {name}")
+        near(first["kept"], 0.3, 1, f"scene {scene}, the state")
+        found = []
+        for times in ("0", "1e-25"):
+            run(folder, RESTING.format(**some, times=times, bound="(0.02 + abs(damp.xi))", time=time, t="t", state=path, more=", kept = integral(tip, path)",
+                                       moving=moving.format(of="u'.nu", seen=seen).replace(" + integral(tip, slow^0(u'; v))", "")))
+            found.append(rows(folder)[-1])
+        assert found[0]["kept"] > 0.3, found
+        for name in found[0]:
+            near(found[0][name], found[1][name], max(abs(found[1]["held_x"]), 1), f"scene {scene}, no law and hardly any, {name}", 1e-7)
+    belt = RESTING.format(t="t", times=1, cells=2, young=100, element="P1", pull=0, stiff=100, bound=0.02, state=path, time="for t in [0, 1] by 2 steps from u = static", moving=moving.format(of="u'.nu", seen="u' - [0.1, 0]"), more="")
+    said = run(folder, belt, succeeds=False)
+    assert "exerts a force" in said and "rub" in said, said
+
+
 BETWEEN = """mesh body = rectangle(2, 1, cells = [4, 2])
 part wall = body.left
 part ground = body.bottom
@@ -414,7 +469,7 @@ def check_notes_of_changing_forms(folder):
 
 
 def main():
-    for check in (check_changing_reactions, check_changing_quadrature, check_static_start, check_sums, check_creep, check_rest, check_refusals, check_rows, check_between_steps, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
+    for check in (check_changing_reactions, check_changing_quadrature, check_static_start, check_sums, check_creep, check_rest, check_refusals, check_rows, check_laws_at_rest, check_between_steps, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
             print("ok", check.__name__)
