@@ -121,14 +121,32 @@ bool lives_in_bodies(const Contact& contact, std::span<const Expr> expressions) 
                              [&](int place) { return body_at(contact, place) != nullptr; });
 }
 
+LawSampler::LawSampler(const Problem& problem, const Contact& contact,
+                       std::vector<Expr> expressions, Origin origin)
+    : expressions_(expressions), origin_(origin) {
+  for (const int place : places_of(contact, expressions_.inputs())) {
+    const auto needed = [&](Slot s) {
+      return std::ranges::any_of(expressions, [&](const Expr& e) {
+        const bool state = slot::is_state(s) && body_at(contact, place) != nullptr;
+        return (state ? away_from(e, term_at(problem, contact, place).part) : e).depends_on(s);
+      });
+    };
+    if (std::ranges::none_of(expressions_.inputs(),
+                             [&](Slot s) { return place_of(contact, s) == place && needed(s); }))
+      guarded_.insert(place);
+  }
+}
+
 LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Contact& contact,
                        std::vector<Expr> expressions, Origin origin, int part)
-    : expressions_(expressions), origin_(origin),
-      guarded_(std::ranges::none_of(expressions, [&](const Expr& e) {
-        return reads_multiplier(away_from_states(problem, e));
-      })) {
+    : LawSampler(problem, contact, std::move(expressions), origin) {
+  // Laws before bodies, whose states are found from the points of a law, too.
+  const auto rank = [&](int place) {
+    const bool there = term_at(problem, contact, place).part == part;
+    return 2 * static_cast<int>(!there) + static_cast<int>(body_at(contact, place) != nullptr);
+  };
   for (const int place : places_of(contact, expressions_.inputs()))
-    if (place_ < 0 || term_at(problem, contact, place).part == part) place_ = place;
+    if (place_ < 0 || rank(place) < rank(place_)) place_ = place;
   const LawTerm none = no_law(origin, d.space);
   const auto& term = place_ < 0 ? none : term_at(problem, contact, place_);
   part_ = part >= 0 ? part : term.part;
@@ -149,18 +167,30 @@ LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Co
 std::optional<LawSampler> LawSampler::at(const Problem& problem, const Discretisation& d,
                                          const Contact& contact, const Expr& expression,
                                          Origin origin, const Point& place) {
-  LawSampler out(problem, d, contact, {expression}, origin);
-  for (const int known : places_of(contact, out.expressions_.inputs()))
-    if (!points_near(d.mesh, points_at(contact, known), place).empty()) {
-      out.place_ = known;
-      break;
-    }
+  LawSampler out(problem, contact, {expression}, origin);
+  auto places = places_of(contact, out.expressions_.inputs());
+  // First those without which there is no value; of them laws before bodies.
+  const auto rank = [&](int known) {
+    return 2 * static_cast<int>(out.guarded_.contains(known)) +
+           static_cast<int>(body_at(contact, known) != nullptr);
+  };
+  std::ranges::stable_sort(places, {}, rank);
+  const auto lacks = [&](int known) {
+    return points_near(d.mesh, points_at(contact, known), place).empty();
+  };
+  out.place_ = places.front();
+  if (out.guarded_.contains(out.place_)) {
+    const auto there = std::ranges::find_if_not(places, lacks);
+    if (there == places.end()) return std::nullopt;
+    out.place_ = *there;
+  }
   const auto& points = points_at(contact, out.place_);
-  if (out.guarded_ && points_near(d.mesh, points, place).empty()) return std::nullopt;
-  out.take_place(d, contact, points, term_at(problem, contact, out.place_), place,
-                 points.kind == Group::Kind::cells
-                     ? "ask inside its part, or for an integral"
-                     : "ask at a node of the contact part, or for an integral");
+  const LawTerm& term = term_at(problem, contact, out.place_);
+  out.part_ = term.part;
+  out.in_body_ = body_at(contact, out.place_) != nullptr;
+  out.take_place(d, contact, points, term, place,
+                 out.in_body_ ? "ask inside its part, or for an integral"
+                              : "ask at a node of the contact part, or for an integral");
   return out;
 }
 
@@ -238,7 +268,8 @@ void LawSampler::take_points(const LawPoints& points, const LawTerm& term,
 void LawSampler::match_all(const Discretisation& d, const Contact& contact) {
   const auto places = places_of(contact, expressions_.inputs());
   for (const int place : places)
-    if (body_at(contact, place) != nullptr) go_to_cells(d.mesh, points_at(contact, place));
+    if (body_at(contact, place) != nullptr && !guarded_.contains(place))
+      go_to_cells(d.mesh, points_at(contact, place));
   for (const int place : places) match(contact, place, d.mesh.dim);
   for (const auto s : expressions_.inputs())
     if (slot::is_field(s)) prepare_field(d.space, s);
@@ -246,16 +277,17 @@ void LawSampler::match_all(const Discretisation& d, const Contact& contact) {
 
 /// Facets within the mesh whose cell has no states of the body are read from the other side.
 void LawSampler::go_to_cells(const Mesh& mesh, const LawPoints& body) {
-  if (block_.kind != Group::Kind::facets || guarded_) return;
+  if (block_.kind != Group::Kind::facets) return;
   for (std::size_t p = 0; p < block_.size(); ++p) {
     const std::int32_t other = mesh.facets[static_cast<std::size_t>(block_.entity[p])].other;
     if (!has_cell(body, block_.cell[p]) && has_cell(body, other)) block_.cell[p] = other;
   }
 }
 
-/// The nearest point of a body in the cell of ours, where ours is on a boundary; else -1.
+/// The nearest point of a body in the cell of ours, where ours is none of a body; else -1.
 int LawSampler::match_in_cell(const Contact& contact, int place, std::size_t p) const {
-  if (block_.kind == Group::Kind::cells || body_at(contact, place) == nullptr) return -1;
+  if ((in_body_ && block_.kind == Group::Kind::cells) || body_at(contact, place) == nullptr)
+    return -1;
   const auto& theirs = points_at(contact, place);
   const auto [first, last] = points_in(theirs, block_.cell[p]);
   int nearest = -1;
@@ -284,7 +316,8 @@ void LawSampler::match(const Contact& contact, int place, int dim) {
           found.push_back(candidate);
     if (found.size() > p) continue;
     const int near = match_in_cell(contact, place, p);
-    if (near < 0 && !(guarded_ && !std::ranges::binary_search(cells, block_.cell[p])))
+    if (near < 0 &&
+        !(guarded_.contains(place) && !std::ranges::binary_search(cells, block_.cell[p])))
       refuse(contact, place, p, dim);
     found.push_back(near);
   }

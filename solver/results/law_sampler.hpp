@@ -9,6 +9,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 namespace hvi::solver {
@@ -50,6 +51,9 @@ public:
   double integral(const Contact& contact, const Snapshot& snapshot);
 
 private:
+  /// Without points.
+  LawSampler(const Problem& problem, const Contact& contact, std::vector<Expr> expressions,
+             Origin origin);
   void take_points(const LawPoints& points, const LawTerm& term, const std::vector<int>& chosen);
   void go_to_cells(const Mesh& mesh, const LawPoints& body);
   void match(const Contact& contact, int place, int dim);
@@ -65,7 +69,7 @@ private:
   Origin origin_;
   int place_ = -1, part_ = -1;
   bool in_body_ = false;
-  bool guarded_ = false; ///< states stand behind the membership in their parts
+  std::set<int> guarded_; ///< places whose states stand behind the membership in their parts
   PointBlock block_;
   std::vector<std::int32_t> nodes_;
   std::map<int, std::vector<int>> point_of_; ///< by place: its point at each of ours

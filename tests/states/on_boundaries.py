@@ -157,9 +157,46 @@ def line(folder):
     check("a line along the boundary", all(abs(float(first[k]) - final[c]) < 1e-13 for k, c in (("sigma.xx", "a"), ("d", "b"))), f"{first}")
 
 
+HALF = """mesh bar = {mesh}
+part wall = bar.left
+part grip = bar.right
+part ground = bar.bottom
+part soft = bar where x < 1
+part rest = bar - soft
+part beyond = ground where x > 1
+tensor B = isotropic(lambda = 40, mu = 30)
+superpotential layer(r) = 50*pos(r)^2
+{d}
+space V = vector P{order} on bar, zero on wall
+find u in V for t in [0, 1] by 2 steps from u = 0
+such that for all v in V
+    integral(soft, (1 - {of})*B : eps(u) : eps(v)) + integral(rest, B : eps(u) : eps(v)) + integral(ground, layer^0(u.nu; v.nu))
+ >= integral(bar, {load})
+report
+  table far = layer.xi + sigma.yy at [1.5, {zeros}], near = layer.xi + sigma.yy at [0.5, {zeros}], whole = integral(ground, layer.xi + sigma.yy), most = largest(ground, layer.xi - sigma.xy),
+    beyond = integral(beyond, layer.xi*sigma.yy), home = layer.xi*{of} at [0.5, {zeros}]
+"""
+
+
+def with_laws(folder):
+    """A stress and a multiplier in one column, where the state of the stress lives on one half only: a state that stays as it is against a number."""
+    for dim in (2, 3):
+        for order in (1, 2):
+            found = []
+            for d, of in (("state d on soft with rate 0 from d = 0.3 in [0, 0.9]", "d"), ("fn d() = 0.3", "d()")):
+                mesh, zeros = BODY[dim]["mesh"].replace("6, 3", "8, 3"), "0" if dim == 2 else "0, 0.5" if order == 1 else "0, 0.25"
+                (folder / "scene.hvi").write_text(HALF.format(d=d, of=of, order=order, mesh=mesh, zeros=zeros, load=BODY[dim]["load"].replace("-0.4", "-3")))
+                done = subprocess.run([HVI, "run", "scene.hvi", "--quiet", "--json", "scene.json", "-o", "out"], cwd=folder, capture_output=True, text=True)
+                if not check_run(f"a stress with a multiplier in {dim}D by P{order}", done):
+                    return
+                found.append(json.loads((folder / "scene.json").read_text())["final"])
+            size = max(map(abs, found[1].values()))
+            check(f"a stress with a multiplier in {dim}D by P{order}", all(abs(found[0][name] - value) <= 1e-9 * size for name, value in found[1].items()), f"{found}")
+
+
 def main():
     with tempfile.TemporaryDirectory() as place:
-        for name, test in (("plane", lambda f: boundary(f, 2)), ("space", lambda f: boundary(f, 3)), ("p2", quadratic), ("seam", seam), ("line", line)):
+        for name, test in (("plane", lambda f: boundary(f, 2)), ("space", lambda f: boundary(f, 3)), ("p2", quadratic), ("seam", seam), ("line", line), ("laws", with_laws)):
             folder = pathlib.Path(place) / name
             folder.mkdir()
             test(folder)
