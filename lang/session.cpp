@@ -171,7 +171,7 @@ Exit Session::compile() {
     propose_imports(script);
     return exit_script;
   }
-  script.model->options.threads = settings_.threads;
+  if (settings_.threads) script.model->options.threads = *settings_.threads;
   script.plan = lower(*script.model);
   warn_of_poles();
   if (settings_.keep_fields) shown = shown_of(*script.plan, *script.model);

@@ -36,7 +36,7 @@ struct CompileSettings {
   bool both_sides = false;   ///< of pairs: their contact unknowns, also where jumps would do
   std::optional<solver::LinearSolver> solver = {};  ///< whatever the script says
   std::optional<solver::FactorEntries> factor = {}; ///< the same
-  int threads = 1;
+  std::optional<int> threads;
   Words words;
   std::function<void(const NameFacts&)> on_name = nullptr; ///< of each declaration, for editors
 };

@@ -40,6 +40,7 @@ Value Parameters::value(const ast::Param& param) {
     if (is_poison(value)) return value;
   }
   if (const auto* w = std::get_if<Word>(&value)) {
+    if (param.range) return refuse_range(param, *w, entry);
     entry.value = w->text;
     model_.params.push_back(entry);
     return value;
@@ -74,6 +75,19 @@ Value Parameters::defined_value(const ast::Param& param) {
       "E0321", Span{},
       fmt::format("{}{}={}: `{}` is no number", options_.words.define, param.name.text, text, text),
       "write a number or one of the words P1, P2, ...");
+  return Poison{};
+}
+
+/// Words are in no range.
+Value Parameters::refuse_range(const ast::Param& param, const Word& word, const ModelParam& entry) {
+  const std::string what =
+      fmt::format("`{}` is the word `{}`: a range is of numbers", param.name.text, word.text);
+  if (entry.overridden)
+    mistakes_.error(
+        "E0306", param.name.span, what, "",
+        fmt::format("set by {}{}={}", options_.words.define, param.name.text, word.text));
+  else
+    mistakes_.error("E0306", param.range->span, what, "leave the range out");
   return Poison{};
 }
 

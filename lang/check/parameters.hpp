@@ -19,6 +19,7 @@ public:
 
 private:
   Value defined_value(const ast::Param& param);
+  Value refuse_range(const ast::Param& param, const Word& word, const ModelParam& entry);
   bool is_in_range(const ast::Param& param, double value, ModelParam& entry);
 
   const CheckOptions& options_;

@@ -72,6 +72,16 @@ void Settings::set_tolerance(const ast::Setting& setting, double& out) {
     out = given;
 }
 
+void Settings::set_threads(const ast::Setting& setting) {
+  constexpr int most = 256; // as many as the command line takes
+  const auto n = evaluator_.positive_integer(setting.value, setting.name.text);
+  if (n && *n > most)
+    mistakes_.error("E0408", setting.value.span,
+                    fmt::format("`{}` are {} at most", setting.name.text, most));
+  else if (n)
+    model_.options.threads = *n;
+}
+
 /// The rule of all laws that bring none.
 void Settings::set_quadrature(const ast::Setting& setting) {
   using solver::Rule;
@@ -142,7 +152,7 @@ void Settings::setting(const ast::Setting& s) {
     set_positive(s, v);
     if (v > 0.0) model_.accuracy = v;
   } else if (name == "threads") {
-    if (auto n = evaluator_.positive_integer(s.value, name)) options.threads = *n;
+    set_threads(s);
   } else {
     set_accuracy_of(s);
   }

@@ -23,6 +23,7 @@ private:
   template <class T>
   void choose(const ast::Setting& setting, const std::string& what,
               const std::vector<std::pair<std::string, T>>& choices, T& out);
+  void set_threads(const ast::Setting& setting);
   void set_positive(const ast::Setting& setting, double& out);
   void set_tolerance(const ast::Setting& setting, double& out);
   void set_quadrature(const ast::Setting& setting);

@@ -125,7 +125,8 @@ RunRequest request_of(const Session& session, const Options& options, ProgressLi
   out.accuracy = options.accuracy;
   out.accuracy_of = options.accuracy_of;
   out.as_written = options.as_written;
-  out.budget = options.budget;
+  constexpr double an_hour = 3600.0;
+  out.budget = options.budget.value_or(an_hour);
   out.tell_accuracy = accuracy_teller(options);
   return out;
 }
@@ -133,9 +134,11 @@ RunRequest request_of(const Session& session, const Options& options, ProgressLi
 /// Is something said of an accuracy that nothing asks for?
 bool lacks_accuracy(const Script& script, const Options& options) {
   if (options.accuracy > 0.0 || script.model->accuracy) return false;
-  if (options.accuracy_of.empty() && !options.as_written) return false;
+  if (options.accuracy_of.empty() && !options.as_written && !options.budget) return false;
   tell("hvi-run: {} goes with --accuracy, or with `using accuracy` in the script\n",
-       options.as_written ? "--as-written" : "--of");
+       options.as_written ? "--as-written"
+       : options.budget   ? "--budget"
+                          : "--of");
   return true;
 }
 

@@ -52,16 +52,46 @@ std::string positive(const std::string& text) {
   return good ? "" : "not a positive number: " + text;
 }
 
-void add_common(CLI::App& app, Options& options, std::vector<std::string>& defines) {
+/// What a command does beside telling: an option that would change nothing is none of its own.
+struct Does {
+  bool write = false, tell_json = false, judge = false, take_time = false;
+};
+
+/// The commands for which these options would change nothing: others have all of them.
+Does what_is_done_by(std::string_view command) {
+  if (command == "fmt" || command == "params" || command == "dump") return {};
+  if (command == "test") return {.judge = true};
+  if (command == "mesh") return {.write = true};
+  if (command == "plan") return {.tell_json = true};
+  if (command == "study" || command == "stability") return {.write = true, .tell_json = true};
+  if (command == "check") return {.write = true, .tell_json = true, .judge = true};
+  return {.write = true, .tell_json = true, .judge = true, .take_time = true};
+}
+
+/// Else the value of an option that the command does not have would be taken for a file of it.
+void refuse(CLI::App& app, const std::string& option, const std::string& why) {
+  const auto fail = [option, why](const std::string&) { throw CLI::ValidationError(option, why); };
+  app.add_option_function<std::string>(option, fail)->group("");
+}
+
+void add_common(CLI::App& app, const Does& does, Options& options,
+                std::vector<std::string>& defines) {
   app.add_option("-D", defines, "set a parameter: -D n=64; of one name the last one counts")
       ->allow_extra_args(false);
-  app.add_option("-o", options.output_folder, "output folder (default: named after the script)")
-      ->check(named);
-  app.add_option("--json", options.json, "write the result as JSON; `-`: to the standard output")
-      ->check(named);
+  if (does.write)
+    app.add_option("-o", options.output_folder, "output folder (default: named after the script)")
+        ->check(named);
+  else
+    refuse(app, "-o", "this command writes no results");
+  if (does.tell_json)
+    app.add_option("--json", options.json, "write the result as JSON; `-`: to the standard output")
+        ->check(named);
+  else
+    refuse(app, "--json", "this command writes no JSON");
   app.add_flag("--quiet", options.quiet, "the table only");
-  app.add_flag("--strict", options.strict, "refuse where the theorem does not apply");
-  app.add_flag("--profile", options.profile, "where the time went");
+  if (does.judge)
+    app.add_flag("--strict", options.strict, "refuse where the theorem does not apply");
+  if (does.take_time) app.add_flag("--profile", options.profile, "where the time went");
   app.add_flag("--full", options.full,
                "solve for all unknowns at every step, also where the contact unknowns would do");
   app.add_flag("--both-sides", options.both_sides,
@@ -117,7 +147,8 @@ void add_run(CLI::App& run, Options& options) {
   run.add_option("--accuracy", options.accuracy,
                  "find the cheapest setting with this relative error")
       ->check(positive);
-  run.add_option("--of", options.accuracy_of, "the accuracy of this column, not of u in V");
+  run.add_option("--of", options.accuracy_of, "the accuracy of this column, not of u in V")
+      ->check(named);
   run.add_flag("--as-written", options.as_written,
                "with --accuracy: keep element, scheme and grading, vary mesh and steps only");
   run.add_option("--budget", options.budget, "CPU seconds a run for --accuracy may take")
@@ -138,7 +169,7 @@ void add_commands(CLI::App& app, std::string_view given, CommandLine& line) {
     CLI::App* sub = app.add_subcommand(name, what);
     // Options are made for the command that is given only: they are most of what a start costs.
     if (given != name && !given.starts_with("-")) return sub;
-    add_common(*sub, line.options, line.defines);
+    add_common(*sub, what_is_done_by(name), line.options, line.defines);
     auto* option = sub->add_option("FILE", line.files, "script")->required();
     if (!many) option->expected(1);
     return sub;
@@ -149,7 +180,10 @@ void add_commands(CLI::App& app, std::string_view given, CommandLine& line) {
   add_run(*command("report", "solve a script and write a page to read in a browser"), line.options);
   auto* check = command("check", "check scripts without solving", true);
   add_report(*check, line.options);
-  check->add_flag("--script-only", line.options.script_only, "without the mesh");
+  auto* script_only =
+      check->add_flag("--script-only", line.options.script_only, "without the mesh");
+  for (const char* of_mesh : {"--json", "--strict", "--report"})
+    if (auto* option = check->get_option_no_throw(of_mesh)) script_only->excludes(option);
   command("plan", "what a run would do");
   add_report(*command("study", "what accuracy costs: runs the ladders of a script"), line.options);
   add_report(*command("stability", "how far a model can be trusted"), line.options);
@@ -226,6 +260,10 @@ int dispatch(int argc, char** argv) {
     tell("hvi-run: explain takes a code, or --all\n");
     return hvi::lang::exit_usage;
   }
+  if (!line.options.json.empty() && line.files.size() > 1) {
+    tell("hvi-run: --json writes the result of one script, not of {}\n", line.files.size());
+    return hvi::lang::exit_usage;
+  }
   for (const std::string& define : line.defines)
     if (!add_define(define, line.options)) {
       tell("hvi-run: -D takes name=value, not `{}`\n", define);
@@ -243,7 +281,7 @@ int first_word(int argc, char** argv) {
   if (argv[1][0] != '-') return 1; // as mostly: options cost time to make
   CommandLine line;
   CLI::App run;
-  add_common(run, line.options, line.defines);
+  add_common(run, what_is_done_by("run"), line.options, line.defines);
   add_run(run, line.options);
   add_what_is_written(run, line.options);
   for (int i = 1; i < argc; ++i) {

@@ -4,6 +4,7 @@
 #include "lang/session.hpp"
 
 #include <map>
+#include <optional>
 #include <string>
 
 namespace hvi::lang {
@@ -27,7 +28,7 @@ struct Options {
   bool both_sides = false; ///< of pairs: their contact unknowns, also where jumps would do
   std::string solver;      ///< a word of `using solver`; empty: the script's
   std::string factor;      ///< a word of `using factor`; empty: the script's
-  int threads = 1;
+  std::optional<int> threads; ///< none: the script's
   int blas_threads = 1;
   int checkpoint = 0; ///< every so many steps; 0: never
   bool resume = false;
@@ -35,8 +36,8 @@ struct Options {
   bool report = false;   ///< a page in the output folder as well
   double accuracy = 0.0; ///< wanted relative error; 0: the script's, or none
   std::string accuracy_of;
-  bool as_written = false; ///< for an accuracy: keep element, scheme and grading
-  double budget = 3600.0;  ///< CPU seconds a run for an accuracy may be predicted to take
+  bool as_written = false;      ///< for an accuracy: keep element, scheme and grading
+  std::optional<double> budget; ///< CPU seconds a run for an accuracy may be predicted to take
 };
 
 /// The options as messages name them.

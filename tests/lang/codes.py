@@ -81,9 +81,13 @@ def main():
             good = done.returncode == 0 if allowed else told(done, "E0701", 3, "t = 1", "imposed values", "`wall` to 0.04")
             check(f"imposed values and an obstacle, gap {gap}", good, done)
 
-        for option in (("--of", "reaction"), ("--as-written",)):
+        for option in (("--of", "reaction"), ("--as-written",), ("--budget", "5")):
             done = call("run", "slab.hvi", "-D", "n=2", "-D", "N=4", "--no-files", *option)
             check(f"{option[0]} without an accuracy", done.returncode == 2 and f"{option[0]} goes with --accuracy" in done.stderr, done)
+        write("threads.hvi", slab.replace("from u = 0\n", "from u = 0 using threads = 3\n"))
+        for words, threads in (((), 3), (("--threads", "2"), 2)):
+            done = call("dump", "--plan", "threads.hvi", *words)
+            check(f"threads of the script with {words}", f", threads {threads}\n" in done.stdout, done)
         write("ramp.csv", "t,force\n0,0\n1,2\n")
         for column in ("table(\"ramp.csv\", t + 0.6)", "table(\"ramp.csv\", t + 0.6) at [1, 0]", "integral(slab, table(\"ramp.csv\", x))",
                        "1 + largest(slab, table(\"ramp.csv\", x))", "table(\"ramp.csv\", 4*t) at [1, 0] at t = 0.75"):

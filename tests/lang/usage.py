@@ -17,6 +17,13 @@ CASES = [
     (["a.hvi", "--checkpoint", "0"], ["--checkpoint: not a positive number: 0\n"]),
     (["a.hvi", "--checkpoint", "1.5"], ["--checkpoint"]),
     *[(["a.hvi", option, value], [option, value]) for option in ("--accuracy", "--budget") for value in ("nan", "inf", "0", "-1", "1e-2x")],
+    (["a.hvi", "--of", "", "--accuracy", "0.1"], ["--of", "an empty name"]),
+    *[([command, "a.hvi", "--json", "b"], ["--json: this command writes no JSON"]) for command in ("test", "fmt", "params", "mesh", "dump")],
+    *[([command, "a.hvi", "-o", "b"], ["-o: this command writes no results"]) for command in ("plan", "test", "fmt", "params", "dump")],
+    *[([command, "a.hvi", "--strict"], ["--strict"]) for command in ("plan", "study", "stability", "fmt", "params", "mesh", "dump")],
+    *[([command, "a.hvi", "--profile"], ["--profile"]) for command in ("check", "plan", "study", "stability", "test", "fmt", "params", "mesh", "dump")],
+    (["check", "a.hvi", "b.hvi", "--json", "c"], ["--json writes the result of one script, not of 2"]),
+    *[(["check", "a.hvi", "--script-only", *option], [option[0], "--script-only"]) for option in (["--json", "b"], ["--strict"], ["--report"])],
     (["explain"], ["explain takes a code"]),
 ]
 
