@@ -93,7 +93,8 @@ std::string to_string(const Model& model) {
     out += fmt::format("probe {}: {}\n", p.name.empty() ? "(inner)" : p.name,
                        p.kind == solver::Probe::Kind::norm_v ? "V norm" : to_string(p.expression));
   for (const Expectation& e : model.expectations)
-    out += fmt::format("expect {} = {} within {}{}{}\n", e.probe, e.value, e.tolerance,
+    out += fmt::format("expect {}{} = {} within {}{}{}\n", e.probe,
+                       e.time ? fmt::format(" at t = {}", *e.time) : "", e.value, e.tolerance,
                        e.relative ? " relative" : "", e.active ? "" : " (skipped)");
   return out;
 }

@@ -89,7 +89,8 @@ Verdict judge(const Script& script, const solver::RunResult& result) {
     const double off = value ? std::abs(*value - e.value) : std::nan("");
     const bool good = value && off <= bound;
     good ? ++verdict.passed : ++verdict.failed;
-    say("{} {} = {} (expected {} within {}{}){}{}\n", good ? "ok  " : "FAIL", e.probe,
+    say("{} {}{} = {} (expected {} within {}{}){}{}\n", good ? "ok  " : "FAIL", e.probe,
+        e.time ? fmt::format(" at t = {}", *e.time) : "",
         value ? fmt::format("{:.12g}", *value) : "not in the table", e.value, e.tolerance,
         e.relative ? " relative" : "", e.source.empty() ? "" : "  ", e.source);
   }

@@ -88,6 +88,13 @@ def main():
         for words, threads in (((), 3), (("--threads", "2"), 2)):
             done = call("dump", "--plan", "threads.hvi", *words)
             check(f"threads of the script with {words}", f", threads {threads}\n" in done.stdout, done)
+        timed = "expect u_y at t = 0.5 = 9 within 1e-9\n"
+        write("timed.hvi", slab + timed)
+        done = call("test", "timed.hvi", "-D", "n=2", "-D", "N=4")
+        check("the time of an expectation is said", done.returncode == 5 and "FAIL u_y at t = 0.5 = -0.01" in done.stdout, done)
+        write("parts.hvi", slab.replace("report\n", "report table force = reaction(roof)\nreport\n") + timed.replace("u_y at t = 0.5", "force"))
+        done = call("test", "parts.hvi")
+        check("a column that is a vector: E0319 names the first component", "its first column is `force_x`" in done.stderr, done)
         write("ramp.csv", "t,force\n0,0\n1,2\n")
         for column in ("table(\"ramp.csv\", t + 0.6)", "table(\"ramp.csv\", t + 0.6) at [1, 0]", "integral(slab, table(\"ramp.csv\", x))",
                        "1 + largest(slab, table(\"ramp.csv\", x))", "table(\"ramp.csv\", 4*t) at [1, 0] at t = 0.75"):
