@@ -128,7 +128,8 @@ void ProbeSet::evaluate(const Snapshot& snapshot, const Snapshot& before,
 void ProbeSet::evaluate_start(const Snapshot& snapshot, bool balance, std::span<double> values) {
   const bool reactions = balance && !reactions_.look_back(); // else they are those of a step
   for (int i = 0; i < size(); ++i) {
-    if (probes_[i].time || probes_[i].kind == Probe::Kind::combination) continue;
+    const bool later = probes_[i].time && *probes_[i].time > snapshot.t();
+    if (later || probes_[i].kind == Probe::Kind::combination) continue;
     values[i] = of_steps(i) && !reactions ? std::nan("") : value(i, snapshot, snapshot);
   }
   combine(snapshot.t(), values);

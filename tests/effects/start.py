@@ -6,6 +6,7 @@
 - Reactions where forms change in time, in every scheme with mass: with loads and inertia they add up to zero.
 - Forms that change in time against the same ones without time, with coefficients that vary in space, and laws on the same cells.
 - What follows a static start: creep with a memory against the scalar equation it is, rest where nothing changes, with mass too.
+- Columns with a time of their own in the first step: what the rows of its ends say, where the initial state is known.
 - Tables and fields `from start`: the rows of the steps are the same bytes, what is not known is empty, resumed runs are the same.
 - `from u = static` where the only laws at the points of states see rates, and where bounds and sources read the multipliers of such laws: the first row against a static script without them. The same laws times 0.
 - Values at times between those of the steps against the rows at both ends, in the first step from what is known at its start; two unknowns of which one has no known rate there.
@@ -386,6 +387,52 @@ def check_between_steps(folder):
                     near(found[f"{name}{i}"], after if share == 1 else (1 - share) * before + share * after, max(abs(row[name] or 0) for row in ends), told, 1e-12)
 
 
+TIMED = """mesh body = rectangle(2, 1, cells = [4, 2])
+part wall = body.left
+part ground = body.bottom
+tensor B = isotropic(young = 70, poisson = 0.3)
+superpotential layer(r) = 20*pos(r)^2
+space V = vector P1 on body, zero on wall
+find u in V for t in [0, 1] by 4 steps from {start}
+such that for all v in V
+    {inertia}integral(body, B : eps(u) : eps(v)) + integral(ground, layer^0(u.nu; v.nu))
+ >= integral(body, dot([0, -1 - t], v))
+report
+  table {columns}
+  line {values} from [0, 0.5] to [2, 0.5] by 3 points at t = 0 to "line.csv"
+"""
+ASKED = {"place": "u.y at [2, 0]", "rate": "u'.y at [2, 0]", "held": "reaction(wall).y", "pressed": "integral(ground, layer.xi)", "worst": "largest(body, mises(sigma))"}
+
+
+def check_columns_of_the_start(folder):
+    """Columns with a time of their own in the first step against the rows of its ends."""
+    mass = "integral(body, dot(u'', v)) + "
+    balanced = [("u = static", ""), ("u = 0, u' = [0, 0.3*x] using scheme = newmark", mass)]
+    others = [("u = [0, 0.001*x]", ""), ("u = 0, u' = [0, 0.3*x] using scheme = bdf2", mass), ("u = 0, u' = [0, 0.3*x] using scheme = midpoint", mass)]
+    for start, inertia in balanced + others:
+        columns = [f"{name} = {what}" for name, what in ASKED.items()]
+        for name, when in (("begins", 0), ("between", 0.05)):
+            columns += [f"{key}_{name} = {what} at t = {when}" for key, what in ASKED.items()]
+        text = TIMED.format(start=start, inertia=inertia, columns=", ".join(columns) + " from start", values="u.y, u'.y")
+        run(folder, text)
+        first, second, *_ = rows(folder)
+        for key in ASKED:
+            known = first[key] is not None
+            assert known or (start, inertia) in others and key in ("rate", "held", "pressed"), f"{start}: {key} is not known"
+            if known:
+                near(first[f"{key}_begins"], first[key], 1, f"{start}: {key} at t = 0", 1e-13)
+            else:
+                assert first[f"{key}_begins"] is None, f"{start}: {key} at t = 0 is not known"
+            if key == "worst":
+                continue  # no affine function of the solution
+            of_step = not known or key == "held" and "midpoint" in start
+            between = second[key] if of_step else 0.8*first[key] + 0.2*second[key]
+            near(second[f"{key}_between"], between, 1 + abs(between), f"{start}: {key} within the first step", 1e-12)
+        if inertia:
+            end = [float(v) for v in (folder / "out" / "line.csv").read_text().splitlines()[-1].split(",")]
+            near(end[-1], 0.6, 1, f"{start}: the velocity of a line at the initial time", 1e-13)
+
+
 CHANGES = """param now = 0
 mesh body = rectangle(2, 1, cells = [{cells}, 3])
 part wall = body.left
@@ -469,7 +516,7 @@ def check_notes_of_changing_forms(folder):
 
 
 def main():
-    for check in (check_changing_reactions, check_changing_quadrature, check_static_start, check_sums, check_creep, check_rest, check_refusals, check_rows, check_laws_at_rest, check_between_steps, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
+    for check in (check_changing_reactions, check_changing_quadrature, check_static_start, check_sums, check_creep, check_rest, check_refusals, check_rows, check_laws_at_rest, check_between_steps, check_columns_of_the_start, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
             print("ok", check.__name__)
