@@ -90,31 +90,42 @@ MethodOutcome ComponentSearch::solve_here(Position& at, Methods methods, Inequal
   return solve_globally(at, factor_, newton_, options_, report);
 }
 
+void ComponentSearch::Place::take(const Position& at) {
+  c = at.c, xi = at.xi, z_start = at.z_start;
+  state = at.places.state, component = at.places.component;
+  z_hat = at.places.z_hat, xi_hat = at.places.xi_hat, d = at.places.d;
+}
+
+void ComponentSearch::Place::give_back(Position& at) const {
+  at.c = c, at.xi = xi, at.z_start = z_start;
+  at.places.state = state, at.places.component = component;
+  at.places.z_hat = z_hat, at.places.xi_hat = xi_hat, at.places.d = d;
+  at.update_arguments();
+}
+
 /// On the components that the points are on, and those next to them; at last on all at once.
 MethodOutcome ComponentSearch::solve(Position& at, Methods methods, InequalityReport& report) {
   component_start_ = at.places.component;
-  InequalityState start;
-  if (methods == Methods::all) at.store(start);
-  const Vector z_start = at.z_start;
+  const bool may_split =
+      methods == Methods::all && at.points.laws.may_soften() && factor_.op().symmetric();
+  if (may_split) begun_.take(at);
   MethodOutcome outcome = solve_by_components(at, methods, report);
-  if (outcome != MethodOutcome::solved && methods == Methods::all && at.points.laws.may_soften() &&
-      factor_.op().symmetric()) {
-    // What failed may be as good as rounding allows, which the certificate says.
-    const Vector c = at.c, xi = at.xi;
-    const GraphStates places = at.places;
-    at.load(start);
-    at.z_start = z_start;
-    if (solve_by_falls(at, factor_, newton_, options_, report) == MethodOutcome::solved) {
-      outcome = MethodOutcome::solved;
-    } else {
-      at.c = c, at.xi = xi;
-      at.places.state = places.state, at.places.component = places.component;
-      at.places.z_hat = places.z_hat, at.places.xi_hat = places.xi_hat, at.places.d = places.d;
-      at.update_arguments();
-    }
-  }
+  if (outcome != MethodOutcome::solved && may_split) outcome = solve_by_parts(at, report);
   if (outcome == MethodOutcome::solved) count_events(at, component_start_, report);
   return outcome;
+}
+
+/// From where the search began. What failed may be as good as rounding allows, which the
+/// certificate says: it stays where this fails, too.
+MethodOutcome ComponentSearch::solve_by_parts(Position& at, InequalityReport& report) {
+  Place found;
+  found.take(at);
+  begun_.give_back(at);
+  at.enter_states();
+  if (solve_by_falls(at, factor_, newton_, options_, report) == MethodOutcome::solved)
+    return MethodOutcome::solved;
+  found.give_back(at);
+  return MethodOutcome::failed;
 }
 
 MethodOutcome ComponentSearch::solve_by_components(Position& at, Methods methods,

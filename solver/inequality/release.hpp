@@ -33,6 +33,16 @@ public:
   MethodOutcome solve_branch(Position& at, Methods methods, InequalityReport& report);
 
 private:
+  /// All of a position that a search moves.
+  struct Place {
+    void take(const Position& at);
+    void give_back(Position& at) const;
+
+    Vector c, xi, z_start, z_hat, xi_hat;
+    std::vector<int> state, component;
+    std::vector<SmallMatrix> d;
+  };
+  MethodOutcome solve_by_parts(Position& at, InequalityReport& report);
   MethodOutcome solve_by_components(Position& at, Methods methods, InequalityReport& report);
   MethodOutcome solve_here(Position& at, Methods methods, InequalityReport& report);
 
@@ -40,6 +50,7 @@ private:
   ActiveSetNewton& newton_;
   const InequalityOptions& options_;
   // Room for a solve.
+  Place begun_;
   Vector c_start_, xi_start_;
   std::vector<int> state_start_, component_start_;
 };
