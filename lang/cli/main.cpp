@@ -16,6 +16,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -52,46 +54,30 @@ std::string positive(const std::string& text) {
   return good ? "" : "not a positive number: " + text;
 }
 
-/// What a command does beside telling: an option that would change nothing is none of its own.
-struct Does {
-  bool write = false, tell_json = false, judge = false, take_time = false;
-};
-
-/// The commands for which these options would change nothing: others have all of them.
-Does what_is_done_by(std::string_view command) {
-  if (command == "fmt" || command == "params" || command == "dump") return {};
-  if (command == "test") return {.judge = true};
-  if (command == "mesh") return {.write = true};
-  if (command == "plan") return {.tell_json = true};
-  if (command == "study" || command == "stability") return {.write = true, .tell_json = true};
-  if (command == "check") return {.write = true, .tell_json = true, .judge = true};
-  return {.write = true, .tell_json = true, .judge = true, .take_time = true};
+bool writes_json(std::string_view command) {
+  constexpr std::array none = {"fmt", "params", "dump", "test", "mesh"};
+  return std::ranges::find(none, command) == none.end();
 }
 
-/// Else the value of an option that the command does not have would be taken for a file of it.
-void refuse(CLI::App& app, const std::string& option, const std::string& why) {
-  const auto fail = [option, why](const std::string&) { throw CLI::ValidationError(option, why); };
-  app.add_option_function<std::string>(option, fail)->group("");
-}
-
-void add_common(CLI::App& app, const Does& does, Options& options,
+void add_common(CLI::App& app, std::string_view command, Options& options,
                 std::vector<std::string>& defines) {
   app.add_option("-D", defines, "set a parameter: -D n=64; of one name the last one counts")
       ->allow_extra_args(false);
-  if (does.write)
-    app.add_option("-o", options.output_folder, "output folder (default: named after the script)")
-        ->check(named);
-  else
-    refuse(app, "-o", "this command writes no results");
-  if (does.tell_json)
+  app.add_option("-o", options.output_folder, "output folder (default: named after the script)")
+      ->check(named);
+  if (writes_json(command))
     app.add_option("--json", options.json, "write the result as JSON; `-`: to the standard output")
         ->check(named);
-  else
-    refuse(app, "--json", "this command writes no JSON");
+  else // else its value would be taken for a file of the command
+    app.add_option_function<std::string>("--json",
+                                         [](const std::string&) {
+                                           throw CLI::ValidationError(
+                                               "--json", "this command writes no JSON");
+                                         })
+        ->group("");
   app.add_flag("--quiet", options.quiet, "the table only");
-  if (does.judge)
-    app.add_flag("--strict", options.strict, "refuse where the theorem does not apply");
-  if (does.take_time) app.add_flag("--profile", options.profile, "where the time went");
+  app.add_flag("--strict", options.strict, "refuse where the theorem does not apply");
+  app.add_flag("--profile", options.profile, "where the time went");
   app.add_flag("--full", options.full,
                "solve for all unknowns at every step, also where the contact unknowns would do");
   app.add_flag("--both-sides", options.both_sides,
@@ -169,7 +155,7 @@ void add_commands(CLI::App& app, std::string_view given, CommandLine& line) {
     CLI::App* sub = app.add_subcommand(name, what);
     // Options are made for the command that is given only: they are most of what a start costs.
     if (given != name && !given.starts_with("-")) return sub;
-    add_common(*sub, what_is_done_by(name), line.options, line.defines);
+    add_common(*sub, name, line.options, line.defines);
     auto* option = sub->add_option("FILE", line.files, "script")->required();
     if (!many) option->expected(1);
     return sub;
@@ -281,7 +267,7 @@ int first_word(int argc, char** argv) {
   if (argv[1][0] != '-') return 1; // as mostly: options cost time to make
   CommandLine line;
   CLI::App run;
-  add_common(run, what_is_done_by("run"), line.options, line.defines);
+  add_common(run, "run", line.options, line.defines);
   add_run(run, line.options);
   add_what_is_written(run, line.options);
   for (int i = 1; i < argc; ++i) {
