@@ -4,6 +4,7 @@
 #include "solver/common/numbers.hpp"
 #include "solver/kernel/table.hpp"
 #include "solver/law/law_failure.hpp"
+#include "solver/law/rounded_size.hpp"
 
 #include <boost/math/quadrature/gauss.hpp>
 #include <fmt/format.h>
@@ -45,78 +46,6 @@ std::string where(double r, const LawSpec& spec, const Point& x, LawTime t) {
 bool is_read(const LawSpec& spec, Slot s) {
   return s >= slot::law_state(0) && s < slot::law_state(static_cast<int>(spec.states.size()));
 }
-
-/// A value and the size of what it was made of: its rounding is that size times a few units in the
-/// last place.
-struct Rounded {
-  double value = 0.0, size = 0.0;
-};
-
-/// f(a) with the derivative d there. An a that is rounding is 0 (the end of a root), and exact.
-Rounded through(double value, double d, const Rounded& a) {
-  const bool exact = std::abs(a.value) <= 1e-14 * a.size;
-  return {value, std::max(std::abs(value), exact ? 0.0 : std::abs(d) * a.size)};
-}
-
-/// Of e at one argument, by the rules for sums, products and the usual functions; others count by
-/// their value.
-class RoundingOf {
-public:
-  RoundingOf(double r, const Point& x, const LawTime& t) : r_(r), x_(x), t_(t) {}
-
-  Rounded operator()(const Expr& e) const {
-    const auto args = e.args();
-    switch (e.op()) {
-    case Op::neg: {
-      const Rounded a = (*this)(args[0]);
-      return {-a.value, a.size};
-    }
-    case Op::add: {
-      const Rounded a = (*this)(args[0]), b = (*this)(args[1]);
-      return {a.value + b.value, a.size + b.size};
-    }
-    case Op::mul: {
-      const Rounded a = (*this)(args[0]), b = (*this)(args[1]);
-      return {a.value * b.value, a.size * std::abs(b.value) + std::abs(a.value) * b.size};
-    }
-    case Op::div: {
-      const Rounded a = (*this)(args[0]), b = (*this)(args[1]);
-      const double v = a.value / b.value;
-      return {v, (a.size + std::abs(v) * b.size) / std::abs(b.value)};
-    }
-    case Op::pow: {
-      if (!args[1].is_constant()) break;
-      const Rounded a = (*this)(args[0]);
-      const double v = std::pow(a.value, args[1].value());
-      return through(v, v * args[1].value() / a.value, a);
-    }
-    case Op::exp: {
-      const Rounded a = (*this)(args[0]);
-      const double v = std::exp(a.value);
-      return through(v, v, a);
-    }
-    case Op::log: {
-      const Rounded a = (*this)(args[0]);
-      return through(std::log(a.value), 1.0 / a.value, a);
-    }
-    case Op::sqrt: {
-      const Rounded a = (*this)(args[0]);
-      const double v = std::sqrt(a.value);
-      return through(v, 0.5 / v, a);
-    }
-    default:
-      break;
-    }
-    const double v =
-        evaluate(e, [&](Slot s) { return s == slot::argument(0) ? r_ : t_.value(s, x_); });
-    return {v, std::abs(v)};
-  }
-
-private:
-  double r_;
-  const Point& x_;
-  const LawTime& t_;
-};
 
 [[noreturn]] void turns_too_often(const LawSpec& spec, const Switch& s) {
   LawFailure failure(
@@ -385,8 +314,8 @@ void GraphBuilder::close_rounding_gaps(LawGraph& graph) const {
   const auto terms = [&](std::size_t piece, double r) { // size of what was added up
     const auto& p = graph.smooth[piece];
     if (p.degree < 0) {
-      const RoundingOf rounding(r, graph.x, graph.t);
-      const double size = rounding(functions_[graph.functions[piece]].slope_expression()).size;
+      const double size = size_of_rounded(functions_[graph.functions[piece]].slope_expression(), r,
+                                          graph.x, graph.t);
       return std::isfinite(size) ? size : 0.0;
     }
     double sum = 0.0, power = 1.0;
