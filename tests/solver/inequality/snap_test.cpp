@@ -116,6 +116,32 @@ TEST(Snap, KnowsWhatCancelledInTheOffset) {
   EXPECT_EQ(at(-3e-14, 3e-14), 1.0);
 }
 
+// At a held node the balance does not see the multiplier: what is no number there is a law that
+// does not hold, whichever points come after it.
+TEST(Certificate, AMultiplierThatIsNoNumberIsNoSolution) {
+  for (const int bad : {0, 1, 2}) {
+    test::Bench bench;
+    bench.s = DenseMatrix::Identity(1, 1);
+    const int law = bench.slope(arg(), false);
+    for (int p = 0; p < 3; ++p) bench.point(law, 0.5, {{}});
+    bench.finish();
+    const auto op = dense_operator(bench.s, true);
+    const InequalityOptions options;
+    const ContactPoints points(bench.problem, *op);
+    Position at(points, *op, 1e-2 * options.tolerance);
+    at.balance.set_load(Vector::Zero(1));
+    at.c.setZero();
+    at.xi.setZero();
+    InequalityReport report;
+    certify(at, options.tolerance, report);
+    EXPECT_TRUE(report.converged);
+    at.xi[bad] = std::nan("");
+    certify(at, options.tolerance, report);
+    EXPECT_FALSE(report.converged) << bad;
+    EXPECT_EQ(report.worst_point, bad);
+  }
+}
+
 // The break's near side, a few hundred snaps away: open, not stopped.
 TEST(Snap, SolutionsNearABreakAreNotMovedOntoIt) {
   const Expr law = select(less_equal(arg(), Expr(1.0)), Expr(0.0), Expr(1e300));
