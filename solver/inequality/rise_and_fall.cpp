@@ -83,7 +83,7 @@ void RiseAndFall::add_up_to_the_right(std::size_t first, double fall) {
   for (std::size_t k = first; k < stretches_.size(); ++k) {
     Stretch& s = stretches_[k];
     const double at_low = slope(s.piece, s.low);
-    if (k > 0 && k > first) fall += std::max(0.0, slope(stretches_[k - 1].piece, s.low) - at_low);
+    if (k > first) fall += std::max(0.0, slope(stretches_[k - 1].piece, s.low) - at_low);
     s.constant = s.rises ? fall : at_low + fall;
     if (!s.rises && std::isfinite(s.high)) fall = s.constant - slope(s.piece, s.high);
   }
