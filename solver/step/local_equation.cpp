@@ -135,7 +135,7 @@ public:
       rescale();
       error = residual(r);
     }
-    return error <= nearly_rounding;
+    return error <= nearly_rounding || is_rounding_of_terms(r);
   }
 
   bool one_by_one() {
@@ -146,10 +146,23 @@ public:
       rescale();
       if (residual(r) <= 16.0 * rounding_unit) return true;
     }
-    return residual(r) <= nearly_rounding;
+    return residual(r) <= nearly_rounding || is_rounding_of_terms(r);
   }
 
 private:
+  /// Is the residual at z what rounding leaves of the terms that the rates are made of?
+  bool is_rounding_of_terms(const Vector& r) const {
+    if (!e_.terms || !r.allFinite()) return false;
+    std::vector<double> terms(z_.size());
+    e_.terms(z_, terms);
+    for (std::size_t i = 0; i < z_.size(); ++i) {
+      const double size =
+          std::abs(z_[i]) + scale_[i] * (std::abs(e_.known[i]) + e_.factor * terms[i]);
+      if (!(std::abs(r[static_cast<Eigen::Index>(i)]) <= nearly_rounding * size)) return false;
+    }
+    return true;
+  }
+
   /// s_i = 1 / max(1, 1 - c dg_i/dz_i), and the derivatives, here.
   void rescale() {
     e_.derivatives(z_, by_);

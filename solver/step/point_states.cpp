@@ -125,12 +125,28 @@ bool PointStates::solve(const Vector& inputs, double share, Vector& values) cons
       local.derivatives = [&](std::span<const double> at, std::span<double> out) {
         rates_[g].derivatives(p, t_, at, own, out, {});
       };
+      local.terms = [&](std::span<const double> at, std::span<double> out) {
+        terms_of_rates(g, p, at, own, out);
+      };
       if (!solve_local(local, z)) return false;
       for (std::size_t i = 0; i < z.size(); ++i)
         values[contact_.first_state[group.states[i]] + p] = z[i];
     }
   }
   return values.allFinite();
+}
+
+/// sum_j |dg_i/dz_j z_j| + |dg_i/da_j a_j| of point p.
+void PointStates::terms_of_rates(std::size_t g, int p, std::span<const double> z,
+                                 std::span<const double> inputs, std::span<double> out) const {
+  const std::size_t n = z.size(), n_in = inputs.size();
+  std::vector<double> by_state(n * n), by_input(n * n_in);
+  rates_[g].derivatives(p, t_, z, inputs, by_state, by_input);
+  for (std::size_t i = 0; i < n; ++i) {
+    out[i] = 0.0;
+    for (std::size_t j = 0; j < n; ++j) out[i] += std::abs(by_state[i * n + j] * z[j]);
+    for (std::size_t j = 0; j < n_in; ++j) out[i] += std::abs(by_input[i * n_in + j] * inputs[j]);
+  }
 }
 
 /// (I - c dg/dz) dz = c dg/da da on the states that are not held at an end.
@@ -246,8 +262,9 @@ double PointStates::steepness(std::span<const double> by_state) const {
   return out;
 }
 
-/// What the inputs' scales make of the rates of a point: by their slopes, and where products of
-/// inputs are products of rounding, by the rates one scale away.
+/// What the inputs' scales make of the states of a point in the step: by the slopes of their rates,
+/// and where products of inputs are products of rounding, by the rates one scale away, with the
+/// slopes there: a rate that begins at a threshold is flat before it and may be steep behind.
 std::vector<double> PointStates::made_of_scales(std::size_t g, int p,
                                                 const StateInputs& inputs) const {
   const auto& group = contact_.state_groups[g];
@@ -258,18 +275,23 @@ std::vector<double> PointStates::made_of_scales(std::size_t g, int p,
   std::vector<double> by_state(n * n), by_input(n * n_in), here(n), there(n), out(n, 0.0);
   rates_[g].derivatives(p, t_, z, own, by_state, by_input);
   rates_[g].rates(p, t_, z, own, here);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n_in; ++j) out[i] += std::abs(by_input[i * n_in + j]) * scales[j];
+  std::vector<double> steep(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    steep[i] = steepness(std::span(by_state).subspan(i * n, n));
+    for (std::size_t j = 0; j < n_in; ++j)
+      out[i] += factor_ / steep[i] * std::abs(by_input[i * n_in + j]) * scales[j];
+  }
   for (const double sign : {-1.0, 1.0}) {
     auto moved = own;
     for (std::size_t j = 0; j < n_in; ++j) moved[j] += sign * scales[j];
     rates_[g].rates(p, t_, z, moved, there);
-    for (std::size_t i = 0; i < n; ++i)
-      if (const double change = std::abs(there[i] - here[i]); std::isfinite(change))
-        out[i] = std::max(out[i], change);
+    rates_[g].derivatives(p, t_, z, moved, by_state, {});
+    for (std::size_t i = 0; i < n; ++i) {
+      const double change = factor_ * std::abs(there[i] - here[i]) /
+                            std::max(steep[i], steepness(std::span(by_state).subspan(i * n, n)));
+      if (std::isfinite(change)) out[i] = std::max(out[i], change);
+    }
   }
-  for (std::size_t i = 0; i < n; ++i)
-    out[i] *= factor_ / steepness(std::span(by_state).subspan(i * n, n));
   return out;
 }
 

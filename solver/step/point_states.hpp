@@ -74,6 +74,8 @@ private:
   void move_time();
   std::vector<double> of_point(const StateGroup& group, int p, const Vector& values) const;
   std::vector<double> inputs_of_point(const StateGroup& group, int p, const Vector& inputs) const;
+  void terms_of_rates(std::size_t g, int p, std::span<const double> z,
+                      std::span<const double> inputs, std::span<double> out) const;
   std::vector<double> sizes(const StateInputs& inputs) const;
   std::vector<double> made_of_scales(std::size_t g, int p, const StateInputs& inputs) const;
   double steepness(std::span<const double> by_state) const;
