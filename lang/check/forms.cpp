@@ -49,7 +49,7 @@ void Forms::form_term(const ast::FormTerm& term, bool right, bool source) {
   const auto kind = part ? model_.parts[*part].kind : std::nullopt;
   scope.normal = part && (!kind || *kind == Group::Kind::facets);
   if (part && !scope.normal) scope.what = "an integral over cells";
-  scope.states = source || (!right && part && model_.parts[*part].kind == Group::Kind::cells);
+  scope.states = source || (part && model_.parts[*part].kind == Group::Kind::cells);
   ModelTerm out;
   for (const ast::Setting& option : integral.options) {
     if (option.name.text != "rule") {

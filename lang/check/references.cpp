@@ -65,8 +65,9 @@ Value References::hidden_state(const Span& span, int declaration, const Scope& s
   mistakes_.error(
       "E0309", span,
       fmt::format("the state `{}` cannot be used{}", names_[declaration].name, visible_note(scope)),
-      "it stands in superpotentials, beside the unknown in the argument of a law, in coefficients "
-      "of forms over cells, in rates and in `report`");
+      "it stands in superpotentials, beside the unknown in the argument of a law, in forms and "
+      "loads "
+      "over cells, in rates and in `report`");
   return Poison{};
 }
 

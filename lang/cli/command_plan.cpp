@@ -96,7 +96,7 @@ int plan_command(const std::string& path, const Options& options) {
     say("{}, {}, {}, {}\n", count(script.plan->problem.forms.size(), "form"),
         count(script.plan->problem.histories.size(), "memory field"),
         count(script.plan->problem.law_terms.size(), "law"),
-        count(script.plan->problem.loads.size(), "load"));
+        count(script.plan->problem.loads.size() + script.plan->problem.state_loads.size(), "load"));
     if (first_steps) print_forecast(*first_steps);
   }
   if (first_steps && code == exit_ok)

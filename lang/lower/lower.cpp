@@ -147,7 +147,7 @@ private:
 
   void lower_term(const ModelTerm& term) {
     std::map<int, FormTerm> forms;
-    LoadTerm load;
+    LoadTerm load, of_states;
     const Symbol integrand = term.factor * term.integrand.scalar();
     for (const solver::Slot s_test : solver::slots_of(integrand)) {
       if (!slot::is_test(s_test)) continue;
@@ -166,7 +166,9 @@ private:
             {test, slot::derivative_of(s), term.right ? -coefficient : coefficient});
       }
       rest = substitute(against, at_rest);
-      if (!rest.is(0.0)) load.entries.push_back({test, term.right ? rest : -rest});
+      if (rest.is(0.0)) continue;
+      const bool reads_states = rest.depends_on_any(slot::first_state, slot::first_probe);
+      (reads_states ? of_states : load).entries.push_back({test, term.right ? rest : -rest});
     }
     for (auto& [field, form] : forms) {
       form.origin = origin(term.span);
@@ -177,15 +179,19 @@ private:
       form.tensor = tensor_of(term, field);
       plan_.problem.forms.push_back(std::move(form));
     }
-    if (!load.entries.empty()) {
-      load.origin = origin(term.span);
-      load.part = term.part;
-      load.rule = term.rule_given || term.integrand.laws.empty() ? term.rule : solver::Rule::exact;
-      load.effect = model_.parts[term.part].kind == Group::Kind::cells ? Effect::body_force
-                                                                       : Effect::traction;
-      plan_.problem.loads.push_back(std::move(load));
-    }
+    lower_load(term, std::move(load), plan_.problem.loads);
+    lower_load(term, std::move(of_states), plan_.problem.state_loads);
     for (const LawUse& use : term.integrand.laws) lower_law(term, use);
+  }
+
+  void lower_load(const ModelTerm& term, LoadTerm load, std::vector<LoadTerm>& loads) {
+    if (load.entries.empty()) return;
+    load.origin = origin(term.span);
+    load.part = term.part;
+    load.rule = term.rule_given || term.integrand.laws.empty() ? term.rule : solver::Rule::exact;
+    load.effect =
+        model_.parts[term.part].kind == Group::Kind::cells ? Effect::body_force : Effect::traction;
+    loads.push_back(std::move(load));
   }
 
   /// The tensor that a term acts with on a field, where it was written with one alone.

@@ -20,6 +20,11 @@ bool reads_values(const FormTerm& form) {
   });
 }
 
+bool reads_values(const LoadTerm& load) {
+  return std::ranges::any_of(load.entries,
+                             [](const LoadTerm::Entry& entry) { return is_value(entry.test); });
+}
+
 bool reads_values(const StateTerm& state) {
   const auto slots = state.rate.slots();
   return std::ranges::any_of(
@@ -34,20 +39,13 @@ Rule rule_of(const Problem& problem, int order, int part) {
                           [&](const FormTerm& form) {
                             return form.part == part && reads_states(form) && reads_values(form);
                           }) ||
+      std::ranges::any_of(
+          problem.state_loads,
+          [&](const LoadTerm& load) { return load.part == part && reads_values(load); }) ||
       std::ranges::any_of(problem.states, [&](const StateTerm& state) {
         return state.part == part && reads_values(state);
       });
   return values ? Rule::gauss : Rule::midpoint;
-}
-
-/// The group whose states a form reads.
-const StateGroup& group_of(const Problem& problem, const Contact& contact, const FormTerm& form) {
-  const auto group = std::ranges::find(contact.state_groups, form.part, &StateGroup::part);
-  if (group != contact.state_groups.end() && group->body) return *group;
-  throw Failure(FailureKind::bad_value, form.origin,
-                fmt::format("a form on `{}` reads a state that lives at the points of a law",
-                            problem.parts[static_cast<std::size_t>(form.part)].name),
-                "give the law a part of its own, or the form's coefficient a state of its own");
 }
 
 bool reads_uniform_states_only(const Problem& problem, const FormTerm& form) {
@@ -62,7 +60,9 @@ bool reads_uniform_states_only(const Problem& problem, const FormTerm& form) {
 PointForm point_form(const Problem& problem, const Discretisation& d, const Contact& contact,
                      const FormTerm& form) {
   if (!reads_uniform_states_only(problem, form))
-    return {d.space, as_block(group_of(problem, contact, form).body->points), form};
+    return {d.space,
+            as_block(body_group(problem, contact, form.part, form.origin, "a form").body->points),
+            form};
   const RegionPoints points(d.space, d.parts[static_cast<std::size_t>(form.part)], form.rule,
                             degree_of(d.space, form));
   PointBlock all;
@@ -85,6 +85,16 @@ void assemble(const Problem& problem, const Contact& contact, const Vector& stat
 }
 
 } // namespace
+
+const StateGroup& body_group(const Problem& problem, const Contact& contact, int part,
+                             Origin origin, std::string_view what) {
+  const auto group = std::ranges::find(contact.state_groups, part, &StateGroup::part);
+  if (group != contact.state_groups.end() && group->body) return *group;
+  throw Failure(FailureKind::bad_value, origin,
+                fmt::format("{} on `{}` reads a state that lives at the points of a law", what,
+                            problem.parts[static_cast<std::size_t>(part)].name),
+                "give the law a part of its own, or what reads the state a state of its own");
+}
 
 bool is_uniform(const StateTerm& state) {
   return state.rate.is_constant() && state.initial.is_constant();

@@ -12,6 +12,8 @@
 #include "solver/discrete/discretisation.hpp"
 #include "solver/discrete/operators.hpp"
 
+#include <string_view>
+
 namespace hvi::solver {
 
 /// The same everywhere at every time, as time itself is: begun with one value and changed by one.
@@ -20,6 +22,11 @@ bool is_uniform(const StateTerm& state);
 bool reads_states(const FormTerm& form);
 /// The form with the initial states, which are functions of x.
 FormTerm at_initial_states(const Problem& problem, const FormTerm& form);
+
+/// The states that a form or load of a part reads. Throws Failure(bad_value) where they live at the
+/// points of a law.
+const StateGroup& body_group(const Problem& problem, const Contact& contact, int part,
+                             Origin origin, std::string_view what);
 
 /// Where the states of a part of cells live, on which no law acts.
 std::shared_ptr<const BodyPoints> make_body_points(const Problem& problem, const Discretisation& d,

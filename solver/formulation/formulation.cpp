@@ -104,9 +104,15 @@ DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
   }
   ChangingForms changing(plan.problem, d, contact, operators);
   changing.take(contact, layout, operators);
+  StateLoads state_loads(plan.problem, d, contact, &layout);
   if (operators.iterative) keep_halves(operators, plan.options.threads);
-  return {layout,           std::move(operators), std::move(contact),
-          std::move(loads), std::move(initial),   std::move(changing)};
+  return {layout,
+          std::move(operators),
+          std::move(contact),
+          std::move(loads),
+          std::move(initial),
+          std::move(changing),
+          std::move(state_loads)};
 }
 
 /// The evolution on contact unknowns needs those of both sides of a pair: beyond so many of them

@@ -7,6 +7,7 @@
 #include "solver/discrete/body_states.hpp"
 #include "solver/discrete/discretisation.hpp"
 #include "solver/discrete/rounding.hpp"
+#include "solver/discrete/state_loads.hpp"
 #include "solver/formulation/row_checks.hpp"
 #include "solver/formulation/step_matrix.hpp"
 #include "solver/plan/plan.hpp"
@@ -26,6 +27,7 @@ struct DiscreteProblem {
   LoadAssembler loads; ///< on the unknowns
   Vector initial;      ///< state u_0
   ChangingForms changing{};
+  StateLoads state_loads{}; ///< on the unknowns
 };
 
 class Formulation {
@@ -40,11 +42,15 @@ public:
   const Contact& contact() const { return problem_.contact; }
   Contact& contact() { return problem_.contact; } ///< laws are prepared for each step
   /// Do states change forms?
-  bool changes() const { return !problem_.changing.none(); }
+  bool changes_forms() const { return !problem_.changing.none(); }
+  /// Do states change the equation: forms, or loads?
+  bool changes() const { return changes_forms() || !problem_.state_loads.none(); }
   /// Forms that read states become those of contact().state_values.
   void take_states() {
     problem_.changing.take(problem_.contact, problem_.layout, problem_.operators);
   }
+  /// Those that read states; `loads` has the others.
+  const StateLoads& state_loads() const { return problem_.state_loads; }
   const LoadAssembler& loads() const { return later_loads_ ? *later_loads_ : problem_.loads; }
   /// Other ones take their place. Only where states hold all unknowns.
   void take_loads(LoadAssembler&& loads) { later_loads_.emplace(std::move(loads)); }

@@ -85,6 +85,7 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
   if (contact.none()) return "there is no contact law";
   if (in_motion(plan.problem)) return "there is inertia";
   if (!operators.changing.empty()) return "states change a form";
+  if (!plan.problem.state_loads.empty()) return "states change a load";
   if (operators.n_bases() != 1) return different_tensors(plan.problem, operators);
   if (operators.coupled) return "unknowns act on each other";
   if (!operators.symmetric) return "the matrix is not symmetric";

@@ -91,6 +91,7 @@ LawDescent descent_of_laws(const Problem& problem, const Operators& operators,
   if (!contact.state_groups.empty() && !by_time)
     out.obstacle = "laws with states are solved together with them";
   if (!operators.changing.empty() && !by_time) out.obstacle = "states change the forms";
+  if (!problem.state_loads.empty()) out.obstacle = "states change the loads";
   // The factor of each step is that of a positive definite matrix, or there is none (E0425).
   if (by_time && !operators.symmetric)
     out.obstacle =

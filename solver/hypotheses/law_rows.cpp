@@ -115,6 +115,11 @@ void Judgement::judge_states() {
           facts_.only_time
               ? "they change in time: what is said of it holds at the initial time"
               : "they change with states: what is said of it holds at their initial values");
+  for (const auto& load : problem_.state_loads)
+    row("H(state)", "a load does not depend on the solution", std::nullopt, Answer::open,
+        load.origin,
+        facts_.only_time ? "it reads states that change in time alone"
+                         : "it reads states: what is said of f leaves it out");
   for (const auto& state : problem_.states) {
     if (is_uniform(state)) continue; // time: nothing of the solution is in it
     const RateConstants found = rate_constants(problem_, d_.mesh, state);

@@ -105,9 +105,9 @@ inline auto fields_of(const TimeSpec& of) {
 }
 inline auto fields_of(const Problem& of) {
   const auto& [title, mesh, parts, space, tensors, forms, histories, laws, law_terms, states, loads,
-               time, effects] = of;
+               state_loads, time, effects] = of;
   return std::tie(title, mesh, parts, space, tensors, forms, histories, laws, law_terms, states,
-                  loads, time);
+                  loads, state_loads, time);
 }
 inline auto fields_of(const SolverOptions& of) {
   const auto& [solver, factor, tolerance, memory_tolerance, route, branch, threads,

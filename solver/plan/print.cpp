@@ -89,7 +89,8 @@ public:
     for (std::size_t l = 0; l < problem_.laws.size(); ++l) law(l);
     for (std::size_t l = 0; l < problem_.law_terms.size(); ++l) law_term(l);
     for (std::size_t i = 0; i < problem_.states.size(); ++i) state(i);
-    for (const auto& term : problem_.loads) load(term);
+    for (const auto* loads : {&problem_.loads, &problem_.state_loads})
+      for (const auto& term : *loads) load(term);
     time();
     print(options);
     print(report);

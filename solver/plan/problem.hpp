@@ -183,7 +183,7 @@ struct FormTerm {
 struct LoadTerm {
   struct Entry {
     int test = 0;
-    Expr value; ///< of slot::x, slot::t, slot::normal
+    Expr value; ///< of slot::x, slot::t, slot::normal; in Problem::state_loads of states, too
   };
   Origin origin;
   int part = 0;
@@ -323,6 +323,7 @@ struct Problem {
   std::vector<LawTerm> law_terms;
   std::vector<StateTerm> states;
   std::vector<LoadTerm> loads;
+  std::vector<LoadTerm> state_loads; ///< those that read states inside the body of their part
   TimeSpec time;
   std::vector<EffectNote> effects;
 };

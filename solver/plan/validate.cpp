@@ -43,7 +43,8 @@ public:
     for (const auto& unknown : unknowns_of(problem_.space))
       if (unknown.domain != -1) part(unknown.domain, unknown.origin, "a space");
     for (const auto& form : problem_.forms) this->form(form);
-    for (const auto& load : problem_.loads) this->load(load);
+    for (const auto& load : problem_.loads) this->load(load, of_load);
+    for (const auto& load : problem_.state_loads) state_load(load);
     for (const auto& history : problem_.histories) this->history(history);
     for (const auto& law : problem_.laws) this->law(law);
     for (const auto& term : problem_.law_terms) law_term(term);
@@ -124,24 +125,41 @@ private:
     }
   }
 
-  void states_of_form(const Expr& coefficient, const FormTerm& form) {
-    for (const Slot s : coefficient.slots()) {
-      if (!slot::is_state(s) || s - slot::first_state >= count(problem_.states)) continue;
-      const auto& state = problem_.states[static_cast<std::size_t>(s - slot::first_state)];
-      if (state.part != form.part)
-        wrong(form.origin, fmt::format("a form reads the state `{}` of another part", state.name));
-      if (form.field == field_of_u(2))
-        wrong(form.origin, fmt::format("the state `{}` changes a mass", state.name));
-    }
+  /// The states that an expression reads.
+  std::vector<const StateTerm*> states_in(const Expr& e) const {
+    std::vector<const StateTerm*> out;
+    for (const Slot s : e.slots())
+      if (slot::is_state(s) && s - slot::first_state < count(problem_.states))
+        out.push_back(&problem_.states[static_cast<std::size_t>(s - slot::first_state)]);
+    return out;
   }
 
-  void load(const LoadTerm& load) {
+  void states_of_part(const Expr& e, int part, Origin origin, std::string_view what) {
+    for (const StateTerm* state : states_in(e))
+      if (state->part != part)
+        wrong(origin, fmt::format("{} reads the state `{}` of another part", what, state->name));
+  }
+
+  void states_of_form(const Expr& coefficient, const FormTerm& form) {
+    states_of_part(coefficient, form.part, form.origin, "a form");
+    for (const StateTerm* state : states_in(coefficient))
+      if (form.field == field_of_u(2))
+        wrong(form.origin, fmt::format("the state `{}` changes a mass", state->name));
+  }
+
+  void load(const LoadTerm& load, const Allowed& allowed) {
     part(load.part, load.origin, "a load");
     no_pair(load.part, load.origin, "a load");
     for (const auto& entry : load.entries) {
       derivative(entry.test, load.origin, "a load");
-      variables(entry.value, of_load, load.origin, "a load");
+      variables(entry.value, allowed, load.origin, "a load");
     }
+  }
+
+  void state_load(const LoadTerm& load) {
+    this->load(load, of_state_load);
+    for (const auto& entry : load.entries)
+      states_of_part(entry.value, load.part, load.origin, "a load");
   }
 
   void history(const HistoryTerm& history) {

@@ -33,6 +33,7 @@ inline constexpr Allowed of_place{.place = true};
 inline constexpr Allowed of_facet{.place = true, .normal = true};
 inline constexpr Allowed of_form{.place = true, .normal = true, .states = true};
 inline constexpr Allowed of_load{.place = true, .normal = true, .time = true};
+inline constexpr Allowed of_state_load{.place = true, .normal = true, .time = true, .states = true};
 inline constexpr Allowed of_argument{
     .place = true, .normal = true, .time = true, .states = true, .gap = true};
 inline constexpr Allowed of_report{.place = true,

@@ -112,6 +112,9 @@ std::vector<EffectNote> found_effects(const Problem& problem, const Discretisati
   for (const LoadTerm& load : problem.loads)
     out.push_back({fmt::format("load on `{}`", problem.parts[load.part].name), State::on,
                    load.origin, text_of(run.formulation->loads().cost(load.origin))});
+  for (const LoadTerm& load : problem.state_loads)
+    out.push_back({fmt::format("load on `{}`", problem.parts[load.part].name), State::on,
+                   load.origin, "reads states, found with each step"});
   return out;
 }
 

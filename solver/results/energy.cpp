@@ -82,7 +82,7 @@ EnergyMonitor::EnergyMonitor(const Problem& problem, const Discretisation& d, co
 
 /// Forms that states change are those of the run's; what that takes from the energy is lost.
 void EnergyMonitor::take_states(const RunState& run) {
-  if (!run.formulation->changes()) return;
+  if (!run.formulation->changes_forms()) return;
   const auto now = [&](int field) {
     return matrix_of_field(problem_, d_, field, run.contact(), run.states());
   };

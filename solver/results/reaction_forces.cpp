@@ -145,7 +145,7 @@ double ReactionForces::Row::operator()(const Vector& v) const {
 ReactionForces::ReactionForces(const Problem& problem, const Discretisation& discretisation,
                                const RunState& run, std::span<const Probe> probes)
     : problem_(problem), d_(discretisation), contact_(run.contact()),
-      scheme_(run.evolution.scheme()), changes_(run.formulation->changes()),
+      scheme_(run.evolution.scheme()), changes_(run.formulation->changes_forms()),
       index_(probes.size(), -1) {
   for (std::size_t i = 0; i < probes.size(); ++i) {
     if (!is_reaction(probes[i])) continue;
@@ -162,6 +162,7 @@ ReactionForces::ReactionForces(const Problem& problem, const Discretisation& dis
   }
   if (reactions_.empty()) return;
   loads_.emplace(d_.space, d_.parts, problem_.loads);
+  state_loads_ = StateLoads(problem_, d_, contact_, nullptr);
   load_transfer_ = load_transfer(problem_, d_);
   rows_ = rows_with(run.states());
 }
@@ -259,11 +260,15 @@ double ReactionForces::forces(std::size_t reaction, const Snapshot& at, bool pas
 }
 
 /// The load in the equation of a step.
-const Vector& ReactionForces::load(int step) {
-  if (load_step_ == step) return load_;
+const Vector& ReactionForces::load(const Snapshot& now, const Snapshot& before) {
+  const int step = now.step();
+  if (load_step_ == step && state_loads_.none()) return load_;
   load_ = Vector::Zero(d_.space.n_dofs());
   add_step_load(*loads_, problem_.time, scheme_, step, load_);
   if (load_transfer_.nonZeros() > 0) load_ = load_transfer_ * load_;
+  state_loads_.add(scheme_.grid().t(step), now.states(), scheme_.present(0), load_);
+  if (look_back() && !state_loads_.none())
+    state_loads_.add(scheme_.grid().t(step - 1), before.states(), scheme_.past(0), load_);
   load_step_ = step;
   return load_;
 }
@@ -273,7 +278,7 @@ double ReactionForces::value(int i, const Snapshot& now, const Snapshot& before)
   const auto reaction = static_cast<std::size_t>(index_[static_cast<std::size_t>(i)]);
   double out = forces(reaction, now, false);
   if (look_back()) out += forces(reaction, before, true);
-  const Vector& f = load(now.step());
+  const Vector& f = load(now, before);
   for (const int dof : reactions_[reaction].held) out -= f[dof];
   return out / (scheme_.present(0) + scheme_.past(0));
 }
@@ -302,7 +307,7 @@ double ReactionForces::scale(int unknown, const Snapshot& now, const Snapshot& b
   Vector of_fields = Vector::Zero(d_.space.n_dofs()), of_laws = of_fields;
   add_nodal(now, false, of_fields, of_laws);
   if (look_back()) add_nodal(before, true, of_fields, of_laws);
-  const Vector& f = load(now.step());
+  const Vector& f = load(now, before);
   std::set<int> held;
   for (const auto& reaction : reactions_)
     if (reaction.unknown == unknown) held.insert(reaction.held.begin(), reaction.held.end());

@@ -65,7 +65,7 @@ private:
   SparseMatrix matrix_at(int field, const Vector& states) const;
   void add_nodal(const Snapshot& at, bool past, Vector& of_fields, Vector& of_laws) const;
   double forces(std::size_t reaction, const Snapshot& at, bool past) const;
-  const Vector& load(int step);
+  const Vector& load(const Snapshot& now, const Snapshot& before);
 
   const Problem& problem_;
   const Discretisation& d_;
@@ -73,6 +73,7 @@ private:
   const TimeScheme& scheme_;
   bool changes_;
   std::optional<LoadAssembler> loads_; ///< where there are reactions
+  StateLoads state_loads_;
   SparseMatrix load_transfer_;
   std::vector<int> index_; ///< by probe; -1: it is no reaction
   std::vector<Reaction> reactions_;

@@ -14,7 +14,8 @@ StoredEnergy::StoredEnergy(const Problem& problem, const Discretisation& d, cons
     : problem_(problem), d_(d), own_(own || run.formulation->operators().halves.empty()),
       elastic_(own_ ? matrix_of_field(problem, d, field_of_u(0)) : SparseMatrix()),
       load_transfer_(load_transfer(problem, d)), loads_(d.space, d.parts, problem.loads),
-      symmetric_(symmetric_to_rounding(elastic_)), moves_(in_motion(problem)) {
+      state_loads_(problem, d, run.contact(), nullptr), symmetric_(symmetric_to_rounding(elastic_)),
+      moves_(in_motion(problem)) {
   potentials_ = std::ranges::all_of(problem.law_terms, [&](const LawTerm& term) {
     const LawSpec& law = problem.laws[static_cast<std::size_t>(term.law)];
     return law.coupled.empty() && law.readings.empty() && term.seen.empty();
@@ -23,7 +24,7 @@ StoredEnergy::StoredEnergy(const Problem& problem, const Discretisation& d, cons
 }
 
 void StoredEnergy::take_states(const RunState& run) {
-  if (run.formulation->changes())
+  if (run.formulation->changes_forms())
     elastic_ = matrix_of_field(problem_, d_, field_of_u(0), run.contact(), run.states());
 }
 
@@ -71,6 +72,7 @@ void StoredEnergy::load(const RunState& run, Vector& out) const {
   else
     loads_.add(grid.t(n), out);
   if (load_transfer_.nonZeros() > 0) out = load_transfer_ * out;
+  state_loads_.add(grid.t(n), run.states(), 1.0, out);
 }
 
 } // namespace hvi::solver

@@ -42,6 +42,7 @@ private:
   SparseMatrix elastic_;
   SparseMatrix load_transfer_; ///< of loads to where the mass is (inertia.hpp)
   LoadAssembler loads_;
+  StateLoads state_loads_; ///< with the states at the end of a step
   bool symmetric_, potentials_, moves_;
   Vector z_; ///< arguments of laws
 };

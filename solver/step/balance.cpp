@@ -44,7 +44,7 @@ void Balance::known_state(int n, Vector& out) {
   if (formulation_.imposed()) imposed_.put(evolution_.grid().t(n), out);
 }
 
-void Balance::note_past() {
+void Balance::note_past(int n) {
   const Operators& operators = formulation_.operators();
   product_.setZero();
   for (const auto& [base, form] : operators.changing) {
@@ -53,6 +53,7 @@ void Balance::note_past() {
     ++products;
   }
   load.note_forces(product_);
+  load.note_state_loads(n);
 }
 
 void Balance::find_right_hand_side(StepEquation& equation) {

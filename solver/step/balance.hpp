@@ -57,8 +57,8 @@ public:
   /// out = u_{n-1} with the values imposed at t_n.
   void known_state(int n, Vector& out);
   /// Before step n, with the forms of the accepted states: what its equation has of the step before
-  /// from forms that states change is kept.
-  void note_past();
+  /// from forms and loads that states change is kept.
+  void note_past(int n);
   /// Sets rhs = f_n - sum_b T_b ( what is known on base matrix b ) - sum_b change_b T_b expected:
   /// one product a base matrix.
   void find_right_hand_side(StepEquation& equation);

@@ -15,8 +15,9 @@ constexpr double small_part = 1e-6;
 
 } // namespace
 
-BodyTangent::BodyTangent(const Discretisation& d, const Formulation& formulation,
-                         const Evolution& evolution, const PointStates& states)
+BodyTangent::BodyTangent(const Problem& problem, const Discretisation& d,
+                         const Formulation& formulation, const Evolution& evolution,
+                         const PointStates& states)
     : d_(d), formulation_(formulation), evolution_(evolution), states_(states) {
   const auto& groups = formulation.contact().state_groups;
   if (!std::ranges::all_of(groups, [](const StateGroup& group) { return group.body != nullptr; }))
@@ -24,24 +25,49 @@ BodyTangent::BodyTangent(const Discretisation& d, const Formulation& formulation
   for (const auto& group : groups)
     blocks_.push_back(std::make_unique<PointBlock>(as_block(group.body->points)));
   for (const auto& [base, form] : formulation.operators().changing) add_form(base, *form);
+  for (const LoadTerm& load : problem.state_loads) add_load(load);
+}
+
+BodyTangent::Place BodyTangent::place_of(int part) const {
+  const auto& groups = formulation_.contact().state_groups;
+  const auto group = std::ranges::find(groups, part, &StateGroup::part);
+  return {&*group, blocks_[static_cast<std::size_t>(group - groups.begin())].get()};
+}
+
+SparseMatrix BodyTangent::rows(const PointBlock& points, int index, Origin origin) const {
+  return restrict_columns(derivative_rows(d_.space, points, index, origin), formulation_.layout());
 }
 
 void BodyTangent::add_form(int base, const FormTerm& form) {
-  const Contact& contact = formulation_.contact();
-  const auto group = std::ranges::find(contact.state_groups, form.part, &StateGroup::part);
-  const PointBlock& points =
-      *blocks_[static_cast<std::size_t>(group - contact.state_groups.begin())];
-  const auto rows = [&](int index) {
-    return restrict_columns(derivative_rows(d_.space, points, index, form.origin),
-                            formulation_.layout());
-  };
+  const auto [group, points] = place_of(form.part);
   for (const auto& entry : form.entries)
     for (const int i : group->states) {
       const Expr change = derivative(entry.coefficient, slot::state(i));
       if (!change.is(0.0))
-        parts_.push_back({base, contact.first_state[static_cast<std::size_t>(i)], form.origin,
-                          &points, rows(entry.test), rows(entry.trial), Pointwise({&change, 1})});
+        parts_.push_back({base, first_of(i), form.origin, points,
+                          rows(*points, entry.test, form.origin),
+                          rows(*points, entry.trial, form.origin), Pointwise({&change, 1})});
     }
+}
+
+void BodyTangent::add_load(const LoadTerm& load) {
+  const auto [group, points] = place_of(load.part);
+  for (const auto& entry : load.entries)
+    for (const int i : group->states) {
+      const Expr change = -derivative(entry.value, slot::state(i));
+      if (!change.is(0.0))
+        parts_.push_back({-1,
+                          first_of(i),
+                          load.origin,
+                          points,
+                          rows(*points, entry.test, load.origin),
+                          {},
+                          Pointwise({&change, 1})});
+    }
+}
+
+int BodyTangent::first_of(int state) const {
+  return formulation_.contact().first_state[static_cast<std::size_t>(state)];
 }
 
 /// What a base matrix acts on in the equation of the step.
@@ -57,6 +83,12 @@ Vector BodyTangent::in_equation(const BodyPass& pass, int base) const {
   return out;
 }
 
+/// D_trial(y) at the points; of a load 1, or what a scheme takes of it at the end of the step.
+Vector BodyTangent::trial_of(const BodyPass& pass, const Part& part) const {
+  if (part.base >= 0) return part.trial * in_equation(pass, part.base);
+  return Vector::Constant(part.test.rows(), evolution_.scheme().present(0));
+}
+
 void BodyTangent::find_q(const BodyPass& pass) {
   const Contact& contact = formulation_.contact();
   const auto column = [&](Slot s) -> const double* {
@@ -68,7 +100,7 @@ void BodyTangent::find_q(const BodyPass& pass) {
   std::vector<Eigen::Triplet<double>> entries;
   std::vector<double> coefficient;
   for (Part& part : parts_) {
-    const Vector trial = part.trial * in_equation(pass, part.base);
+    const Vector trial = trial_of(pass, part);
     coefficient.resize(part.points->size());
     part.coefficient.evaluate(*part.points, evolution_.grid().t(pass.n), part.origin, coefficient,
                               column);
@@ -123,7 +155,7 @@ bool BodyTangent::add_direction(const Vector& v, const StepMatrix& matrix,
 
 bool BodyTangent::step(const BodyPass& pass, const StepMatrix& matrix, Vector& change) {
   const bool solvable = matrix.factorisation() || matrix.laws() != nullptr;
-  if (parts_.empty() || !solvable || matrix.free_body() != nullptr) return false;
+  if (parts_.empty() || !solvable) return false;
   find_q(pass);
   find_r(pass);
   s_ = states_.slopes(pass.inputs, pass.share, pass.solution);

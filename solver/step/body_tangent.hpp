@@ -1,7 +1,8 @@
-// Newton's method on a step whose forms read states: the states are eliminated point by point.
+// Newton's method on a step whose forms or loads read states: the states are eliminated point by
+// point.
 //
 // With U(z) the solution for given states, Z(a) what the states' equations make of their inputs a =
-// R U, a step asks for z = Z(R U(z)). Forces of the forms change by Q dz, the solution by
+// R U, a step asks for z = Z(R U(z)). Forces of the forms and loads change by Q dz, the solution by
 // dU = - (K + G^T W D G)^-1 Q dz, where points keep their places on their graphs, and so
 //
 //   (1 + S R (K + G^T W D G)^-1 Q) dz = Z - z,
@@ -34,16 +35,16 @@ struct BodyPass {
 class BodyTangent {
 public:
   /// Keeps references to all of them.
-  BodyTangent(const Discretisation& d, const Formulation& formulation, const Evolution& evolution,
-              const PointStates& states);
+  BodyTangent(const Problem& problem, const Discretisation& d, const Formulation& formulation,
+              const Evolution& evolution, const PointStates& states);
   /// The change da of the inputs. False: laws have states, too, or nothing was found.
   bool step(const BodyPass& pass, const StepMatrix& matrix, Vector& change);
 
 private:
   /// How one entry of a form changes with one state: dC/dz D_trial(y) at the points, on the rows
-  /// D_test(v).
+  /// D_test(v). Of a load: -dF/dz.
   struct Part {
-    int base = 0, first = 0; ///< of the operators; of the state's values
+    int base = -1, first = 0; ///< of the operators (a load: none); of the state's values
     Origin origin;
     const PointBlock* points = nullptr;
     SparseMatrix test, trial; ///< points x state
@@ -52,7 +53,16 @@ private:
   struct Direction {
     Vector vector, image, inputs; ///< dz, its image, da; the images are orthonormal
   };
+  struct Place {
+    const StateGroup* group;
+    const PointBlock* points;
+  };
+  Place place_of(int part) const;
+  SparseMatrix rows(const PointBlock& points, int index, Origin origin) const;
   void add_form(int base, const FormTerm& form);
+  void add_load(const LoadTerm& load);
+  int first_of(int state) const;
+  Vector trial_of(const BodyPass& pass, const Part& part) const;
   Vector in_equation(const BodyPass& pass, int base) const;
   void find_q(const BodyPass& pass);
   void find_r(const BodyPass& pass);

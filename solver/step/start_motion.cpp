@@ -221,13 +221,19 @@ private:
   std::unique_ptr<ReducedOperator> reduced_;
 };
 
+/// out += f(t_0), with the initial states.
+void add_loads_at_start(const Formulation& formulation, double t, Vector& out) {
+  formulation.loads().add(t, out);
+  formulation.state_loads().add(t, formulation.contact().state_values, 1.0, out);
+}
+
 /// f(t_0) - A v_0 - B u_0 - M a_0, a_0 the acceleration of imposed values only.
 Vector forces_at_start(const Formulation& formulation, const Evolution& evolution,
                        const Vector& velocity, const Vector& imposed) {
   const Operators& operators = formulation.operators();
   Vector out = Vector::Zero(operators.n_unknowns);
   SparseMatrix room;
-  formulation.loads().add(evolution.grid().t(0), out);
+  add_loads_at_start(formulation, evolution.grid().t(0), out);
   for (int b = 0; b < operators.n_bases(); ++b) {
     const auto weight = operators.weights.col(b);
     const Vector state = weight[field_of_u(0)] * evolution.u() + weight[field_of_u(1)] * velocity +
@@ -266,7 +272,7 @@ public:
     leading.coupled = formulation_.operators().coupled;
     leading.n_unknowns = layout.n_unknowns;
     Vector f = -leading_->known(derivatives_);
-    formulation_.loads().add(run.evolution.grid().t(0), f);
+    add_loads_at_start(formulation_, run.evolution.grid().t(0), f);
     solve(leading, Vector::Ones(1), f);
   }
 

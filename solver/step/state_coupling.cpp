@@ -28,6 +28,7 @@ constexpr double least_part = 0.05;
 /// From one step of a march to the next.
 constexpr double longer = 1.2;
 constexpr double shortest_newton = 1.0 / 64.0;
+constexpr int most_leaps = 12;
 /// A path ends where the step would have to grow by less than this part.
 constexpr double smallest_share = 1e-4;
 
@@ -35,7 +36,7 @@ class StateCoupling {
 public:
   StateCoupling(const Problem& problem, EquationSolver& solver, Contact& contact, double tolerance,
                 StepMatrix& matrix, const InequalityState* path_start, BodyTangent* body,
-                const std::function<void()>& renew, StepEquation& equation, Trial& trial,
+                const std::function<double()>& renew, StepEquation& equation, Trial& trial,
                 StepResult& out)
       : problem_(problem), solver_(solver), states_(solver.laws.states), contact_(contact),
         tolerance_(tolerance), matrix_(matrix), path_start_(path_start), body_(body), renew_(renew),
@@ -49,7 +50,7 @@ public:
       return;
     }
     const Here first = here();
-    if (settle()) return;
+    if (settle()) return keep_wanted();
     go(first);
     if (!in_forms()) {
       if (settle_by_marching()) return;
@@ -72,7 +73,7 @@ private:
     });
   }
 
-  /// Do forms depend on states?
+  /// Do forms or loads depend on states?
   bool in_forms() const { return body_ != nullptr; }
 
   struct Here {
@@ -151,7 +152,7 @@ private:
     if (!std::isfinite(error_)) return false;
     for (int k = 0; k < most_newton; ++k) {
       before = error_;
-      if (!newton()) break;
+      if (!newton() && !leap()) break;
       if (near()) return true;
       if (error_ <= tolerance_ && error_ > 0.25 * before) break; // rounding is left
     }
@@ -176,6 +177,18 @@ private:
     if (left <= tolerance_ && error_ <= tolerance_) return true;
     go(place);
     return false;
+  }
+
+  /// Rates that begin at a threshold are steep on one side of it alone, so that a state which is as
+  /// near as one can tell may leave much of its equation. What the solution makes of the states
+  /// takes their place, and the forces of their loads change by as little as these.
+  void keep_wanted() {
+    if (problem_.state_loads.empty() || wanted_.size() == 0) return;
+    const Here place = here();
+    contact_.state_values = wanted_;
+    out_.equilibrium = renew_();
+    judge();
+    if (!(out_.equilibrium <= tolerance_)) go(place);
   }
 
   std::vector<int> kinds_of_states() const {
@@ -224,6 +237,23 @@ private:
       }
       go(start);
     }
+    return false;
+  }
+
+  /// Whole steps that may leave more than the one before, for a while: where points begin to flow
+  /// or stop, as beyond a yield stress, steps go past a place from which all shorter ones are
+  /// worse.
+  bool leap() {
+    if (problem_.state_loads.empty()) return false;
+    const Here start = here();
+    Vector change, next;
+    for (int k = 0; k < most_leaps && std::isfinite(error_) && step_of_body(change); ++k) {
+      const Vector inputs = inputs_.values + change;
+      if (!states_.solve(inputs, share_, next)) break;
+      solve_with(next);
+      if (error_ < start.error) return true;
+    }
+    go(start);
     return false;
   }
 
@@ -305,8 +335,8 @@ private:
   double tolerance_;
   StepMatrix& matrix_;
   const InequalityState* path_start_;
-  BodyTangent* body_; ///< null where no form reads states
-  const std::function<void()>& renew_;
+  BodyTangent* body_; ///< null where no form or load reads states
+  const std::function<double()>& renew_;
   StepEquation& equation_;
   Trial& trial_;
   StepResult& out_;
@@ -320,7 +350,7 @@ private:
 
 void couple_states(const Problem& problem, EquationSolver& solver, Contact& contact,
                    double tolerance, StepMatrix& matrix, const InequalityState* path_start,
-                   BodyTangent* body, const std::function<void()>& renew, StepEquation& equation,
+                   BodyTangent* body, const std::function<double()>& renew, StepEquation& equation,
                    Trial& trial, StepResult& out) {
   StateCoupling(problem, solver, contact, tolerance, matrix, path_start, body, renew, equation,
                 trial, out)

@@ -11,14 +11,15 @@ namespace hvi::solver {
 /// After a solution with the states of the last step: states and solution are changed in turn, by
 /// plain passes while these contract, by Newton's method with the states eliminated
 /// (state_tangent.hpp), by marching on where the states lead, and at last on a path of steps that
-/// grow to the full one, until the states are those of their own solution. Where states change the
-/// forms, too, Newton's method is that of `body` (body_tangent.hpp), and Anderson's mixing
+/// grow to the full one, until the states are those of their own solution. Where states change
+/// forms or loads, too, Newton's method is that of `body` (body_tangent.hpp), and Anderson's mixing
 /// (mixing.hpp) follows it. Leaves the laws prepared for the last states; where they do not settle,
 /// `out` has no convergence and a verdict that names the state. `path_start`: where each pass
-/// begins its path, or null; `renew`: makes the equation that of contact.state_values.
+/// begins its path, or null; `renew`: makes the equation that of contact.state_values, and returns
+/// what the increment leaves of it.
 void couple_states(const Problem& problem, EquationSolver& solver, Contact& contact,
                    double tolerance, StepMatrix& matrix, const InequalityState* path_start,
-                   BodyTangent* body, const std::function<void()>& renew, StepEquation& equation,
+                   BodyTangent* body, const std::function<double()>& renew, StepEquation& equation,
                    Trial& trial, StepResult& out);
 
 } // namespace hvi::solver

@@ -48,8 +48,21 @@ void StepLoad::find(int n, Vector& out) const {
   out.setZero(formulation_.layout().n_unknowns);
   add_step_load(formulation_.loads(), problem_.time, scheme_, n, out);
   if (transfer_.nonZeros() > 0) out = transfer_ * out;
+  add_state_loads(n, scheme_.present(0), out); // inner stresses act where those of forms do
+  if (last_state_load_.size() > 0) out += last_state_load_;
   if (last_forces_.size() > 0) out -= last_forces_;
   if (keeps_reactions()) out -= scheme_.past_of_laws() * last_reaction_;
+}
+
+void StepLoad::add_state_loads(int n, double factor, Vector& out) const {
+  formulation_.state_loads().add(scheme_.grid().t(n), formulation_.contact().state_values, factor,
+                                 out);
+}
+
+void StepLoad::note_state_loads(int n) {
+  if (formulation_.state_loads().none()) return;
+  last_state_load_.setZero(formulation_.layout().n_unknowns);
+  add_state_loads(n - 1, scheme_.past(0), last_state_load_);
 }
 
 void StepLoad::note_multipliers(const Vector& xi) {

@@ -19,22 +19,26 @@ public:
   StepLoad(const Problem& problem, const Discretisation& discretisation,
            const Formulation& formulation, const TimeScheme& scheme);
 
-  /// out = f_n, or its mean over the step.
+  /// out = f_n, or its mean over the step; loads that read states have those at hand.
   void find(int n, Vector& out) const;
   /// xi_{n-1} of the next step, n.
   void note_multipliers(const Vector& xi);
   /// What the equation of the next step has of forms at t_{n-1} whose matrices change.
   void note_forces(const Vector& forces) { last_forces_ = forces; }
+  /// The same of loads that read states: those of step n - 1 with the states at hand.
+  void note_state_loads(int n);
 
 private:
   bool keeps_reactions() const;
+  void add_state_loads(int n, double factor, Vector& out) const;
 
   const Problem& problem_;
   const Formulation& formulation_;
   const TimeScheme& scheme_;
-  SparseMatrix transfer_; ///< on the unknowns (inertia.hpp); without entries: none
-  Vector last_reaction_;  ///< G^T W xi_{n-1}, where the scheme asks for it
-  Vector last_forces_;    ///< empty: there are none
+  SparseMatrix transfer_;  ///< on the unknowns (inertia.hpp); without entries: none
+  Vector last_reaction_;   ///< G^T W xi_{n-1}, where the scheme asks for it
+  Vector last_forces_;     ///< empty: there are none
+  Vector last_state_load_; ///< the same
 };
 
 } // namespace hvi::solver

@@ -18,17 +18,17 @@ StepSolver::StepSolver(const Plan& plan, const Discretisation& discretisation,
       refinement(plan.problem, formulation, evolution, balance), plan_(plan), evolution_(evolution),
       formulation_(formulation), balance_(balance) {
   if (formulation.changes())
-    body_.emplace(discretisation, formulation, evolution, equations.laws.states);
+    body_.emplace(plan.problem, discretisation, formulation, evolution, equations.laws.states);
 }
 
-/// Forms that states change begin at the last ones, and at the time of the step; then every step
-/// has its own factor.
+/// Forms and loads that states change begin at the last ones, and at the time of the step; with
+/// such forms every step has its own factor.
 StepMatrix& StepSolver::matrix_for(int n) {
   if (formulation_.changes()) {
     if (evolution_.scheme().looks_back()) {
       equations.laws.states.give_up(); // what the step before has left
       formulation_.take_states();
-      balance_.note_past();
+      balance_.note_past(n);
     }
     take_first_states(n);
   }
@@ -56,7 +56,7 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   for (double& reach : contact.least_reach) reach /= tolerance;
   equations.warm_start.find_change(n, balance_.coefficients(n), matrix, equation, trial.d);
   // Where a branch ends, K_n itself has to say.
-  if (formulation_.changes() || (follow && !equation.exact())) {
+  if (formulation_.changes_forms() || (follow && !equation.exact())) {
     equations.matrices.factor(n, evolution_.factors(n), matrix);
     equation.change.setZero();
   }
@@ -83,7 +83,7 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
     if (!laws.states.none())
       couple_states(
           plan_.problem, equations, contact, tolerance, matrix, start, body_ ? &*body_ : nullptr,
-          [&] { renew(n, matrix, equation, trial); }, equation, trial, result);
+          [&] { return renew(n, matrix, equation, trial); }, equation, trial, result);
     return result;
   };
   auto out = solve(CorrectionStart::predicted);
@@ -112,13 +112,14 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   return out;
 }
 
-/// The equation with the forms of the states at hand.
-void StepSolver::renew(int n, StepMatrix& matrix, StepEquation& equation, Trial& trial) {
-  if (!formulation_.changes()) return;
+/// The equation with the forms and loads of the states at hand.
+/// Returns what the increment leaves of it.
+double StepSolver::renew(int n, StepMatrix& matrix, StepEquation& equation, Trial& trial) {
+  if (!formulation_.changes()) return 0.0;
   formulation_.take_states();
-  equations.matrices.factor(n, evolution_.factors(n), matrix);
+  if (formulation_.changes_forms()) equations.matrices.factor(n, evolution_.factors(n), matrix);
   balance_.find_right_hand_side(equation);
-  balance_.residual(equation, matrix, equations.laws.now.xi, trial);
+  return balance_.residual(equation, matrix, equations.laws.now.xi, trial).error;
 }
 
 bool StepSolver::begin_anew(int n) {
