@@ -22,6 +22,9 @@ constexpr std::array table = {
     BuiltIn{"cos", K::pointwise, "cos(a)", "cosine"},
     BuiltIn{"cosh", K::pointwise, "cosh(a)", "hyperbolic cosine"},
     BuiltIn{"erf", K::pointwise, "erf(a)", "error function"},
+    BuiltIn{"erfc", K::pointwise, "erfc(a)", "complementary error function, 1 - erf(a)"},
+    BuiltIn{"erfcx", K::pointwise, "erfcx(a)",
+            "exp(a^2)*erfc(a), which neither overflows nor vanishes where a is large"},
     BuiltIn{"exp", K::pointwise, "exp(a)", "exponential"},
     BuiltIn{"gamma", K::pointwise, "gamma(a)", "gamma function"},
     BuiltIn{"log", K::pointwise, "log(a)", "natural logarithm"},
@@ -129,8 +132,9 @@ std::span<const std::string_view> setting_names() {
 bool is_reserved_builtin(std::string_view name) {
   const BuiltIn* const found = find_built_in(name);
   // Scripts had names of their own before these.
-  constexpr std::array<std::string_view, 7> later = {
-      "pos", "mises", "largest", "reaction", "smallest", "derivative", "prony_relaxation"};
+  constexpr std::array<std::string_view, 9> later = {
+      "pos",  "mises", "largest", "reaction", "smallest", "derivative", "prony_relaxation",
+      "erfc", "erfcx"};
   const bool free = std::ranges::find(later, name) != later.end() ||
                     (found && found->kind == BuiltInKind::interface);
   return (found && !free) ||
@@ -154,7 +158,7 @@ std::optional<int> pointwise_arity(std::string_view name) {
 
 solver::Op pointwise_op(std::string_view name) {
   using solver::Op;
-  constexpr std::array<std::pair<std::string_view, Op>, 21> ops = {{
+  constexpr std::array<std::pair<std::string_view, Op>, 22> ops = {{
       {"abs", Op::abs},   {"acos", Op::acos},   {"asin", Op::asin},
       {"atan", Op::atan}, {"atan2", Op::atan2}, {"bessel_j", Op::bessel_j},
       {"cos", Op::cos},   {"cosh", Op::cosh},   {"erf", Op::erf},
@@ -162,6 +166,7 @@ solver::Op pointwise_op(std::string_view name) {
       {"max", Op::max},   {"min", Op::min},     {"sign", Op::sign},
       {"sin", Op::sin},   {"sinh", Op::sinh},   {"sqrt", Op::sqrt},
       {"tan", Op::tan},   {"tanh", Op::tanh},   {"mittag_leffler", Op::mittag_leffler},
+      {"erfc", Op::erfc},
   }};
   for (const auto& [op_name, op] : ops)
     if (op_name == name) return op;

@@ -97,6 +97,10 @@ Value Functions::pointwise(const ast::Expr& e, const ast::Call& c, const std::st
   if (mittag_leffler && given == 2) symbols.insert(symbols.begin() + 1, Symbol(1.0));
   if (name == "bessel_j" && !is_order(c.arguments[0].value.span, symbols[0])) return Poison{};
   if (mittag_leffler && !are_parameters(c, symbols[0], symbols[1])) return Poison{};
+  if (name == "erfcx") { // the first of its kind: its derivatives are the next ones
+    out.components = {Symbol::make(Op::erfcx, {Symbol(0.0), symbols.front()})};
+    return operators_.check_finite(e.span, out) ? Value(out) : Value(Poison{});
+  }
   Symbol result = Symbol::make(pointwise_op(name), {symbols.begin(), symbols.begin() + wanted});
   if (variadic)
     for (std::size_t i = 2; i < symbols.size(); ++i)

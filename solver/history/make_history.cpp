@@ -24,6 +24,11 @@ std::string place_without_value(const KernelSpec& kernel, const HistoryOptions& 
   return {};
 }
 
+/// Where erfc vanishes what stands before it has overflown.
+bool reads_erfc(const Expr& e) {
+  return e.op() == Op::erfc || std::ranges::any_of(e.args(), reads_erfc);
+}
+
 void check_kernel(const KernelSpec& kernel, const KernelTraits& traits,
                   const HistoryOptions& options) {
   if (traits.singular_exponent >= 1) {
@@ -36,7 +41,10 @@ void check_kernel(const KernelSpec& kernel, const KernelTraits& traits,
         FailureKind::bad_kernel, kernel.origin,
         fmt::format("the memory kernel `{}` is not finite at every lag up to the end time{}",
                     kernel.name, place_without_value(kernel, options)),
-        "a table must reach to the end time; logarithms and roots need positive arguments");
+        std::string("a table must reach to the end time; logarithms and roots need positive "
+                    "arguments") +
+            (reads_erfc(kernel.expression) ? "; exp(a^2)*erfc(a) is erfcx(a), which stays finite"
+                                           : ""));
   }
 }
 

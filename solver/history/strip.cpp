@@ -77,6 +77,8 @@ Strip unary(Op op, const Strip& z) {
     return tangent_hyperbolic(z);
   case Op::erf:
     return error_function(z);
+  case Op::erfc:
+    return error_left(z);
   default:
     return nothing(State::unknown);
   }
@@ -105,6 +107,8 @@ Strip binary(Op op, const Strip& a, const Strip& b) {
     return logic(op, a, b);
   case Op::bessel_j:
     return bessel(a, b);
+  case Op::erfcx:
+    return scaled_error(a, b);
   default:
     return nothing(State::unknown);
   }

@@ -198,6 +198,29 @@ Strip error_function(const Strip& z) {
   return mean_value(z, slope, [](double x) { return std::erf(x); });
 }
 
+/// A mixture of exp(-s z), s >= 0 (solver/kernel/erfcx.cpp): the modulus is at most that of Re z.
+Strip scaled_error(const Strip& order, const Strip& z) {
+  if (!is_number(order)) return nothing(State::unknown);
+  const auto value = [&](double x) { return erfcx(order.low, x); };
+  Strip out = ball(value(z.low));
+  out.real_low = value(z.real_high);
+  out.real_high = value(z.real_low);
+  return out;
+}
+
+Strip error_left(const Strip& z) {
+  Strip out;
+  if (z.low >= 0)
+    out = multiply(exponential(negate(square(z))), scaled_error(Strip::exactly(0), z));
+  else if (z.high <= 0)
+    out = add(Strip::exactly(2), negate(error_left(negate(z))));
+  else
+    out = add(Strip::exactly(1), negate(error_function(z)));
+  out.real_low = std::erfc(z.real_high);
+  out.real_high = std::erfc(z.real_low);
+  return out;
+}
+
 Strip arcsine(const Strip& z) {
   const Strip inside = add(Strip::exactly(1), negate(square(z)));
   if (!(inside.low > 0)) return nothing(State::singular);

@@ -33,6 +33,9 @@ Strip arctangent(const Strip& z);
 Strip hyperbolic(const Strip& z, bool even);
 Strip tangent_hyperbolic(const Strip& z);
 Strip error_function(const Strip& z);
+/// erfc, and exp(z^2) i^n erfc(z)
+Strip error_left(const Strip& z);
+Strip scaled_error(const Strip& order, const Strip& z);
 Strip mittag_leffler(const Strip& a, const Strip& b, const Strip& z);
 Strip bessel(const Strip& order, const Strip& z);
 Strip tabulated(const Table& table, const Strip& z, bool slope);

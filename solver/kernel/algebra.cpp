@@ -72,6 +72,8 @@ bool nonnegative_node(const Expr& e, const NodeMap<bool>& done) {
   case Op::sqrt:
   case Op::cosh:
   case Op::acos:
+  case Op::erfc:
+  case Op::erfcx:
   case Op::less:
   case Op::less_equal:
   case Op::equal:

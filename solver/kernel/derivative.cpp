@@ -55,6 +55,8 @@ Expr outer_slope(const Expr& node) {
     return 1.0 - pow(node, 2.0);
   case Op::erf:
     return 2.0 * std::numbers::inv_sqrtpi * exp(-pow(x, 2.0));
+  case Op::erfc:
+    return -2.0 * std::numbers::inv_sqrtpi * exp(-pow(x, 2.0));
   case Op::gamma:
     return node * fn(Op::polygamma, 0.0, x);
   case Op::polygamma:
@@ -63,6 +65,8 @@ Expr outer_slope(const Expr& node) {
     return 0.5 * (fn(Op::bessel_j, args[0] - 1.0, x) - fn(Op::bessel_j, args[0] + 1.0, x));
   case Op::mittag_leffler:
     return mittag_leffler_slope(args[0], args[1], x);
+  case Op::erfcx: // 2 x erfcx - 2/sqrt(pi) without the cancellation
+    return -2.0 * (args[0] + 1.0) * fn(Op::erfcx, args[0] + 1.0, x);
   case Op::table:
     return Expr::tabulated(node.table(), x, true);
   default:
@@ -106,13 +110,14 @@ Expr rule(const Expr& node, const std::vector<Expr>& d) {
   case Op::select:
     return select(a[0], d[1], d[2]);
   case Op::bessel_j:
+  case Op::erfcx:
   case Op::mittag_leffler:
   case Op::polygamma:
     for (std::size_t i = 0; i + 1 < d.size(); ++i)
       if (!d[i].is(0.0))
         throw Failure(FailureKind::bad_value, Origin{},
-                      "no derivative with respect to the order of a Bessel function or a parameter "
-                      "of mittag_leffler",
+                      "no derivative with respect to the order of a Bessel function or of erfcx or "
+                      "a parameter of mittag_leffler",
                       "keep these parameters constant where a derivative is needed");
     return outer_slope(node) * d.back();
   default:

@@ -43,8 +43,10 @@ enum class Op : unsigned char {
   cosh,
   tanh,
   erf,
+  erfc,
   gamma,
   bessel_j,       // bessel_j(order, x)
+  erfcx,          // (n, x): exp(x^2) i^n erfc(x)
   mittag_leffler, // (alpha, beta, x): E_{alpha,beta}(x)
   less,
   less_equal,
@@ -110,8 +112,8 @@ Expr less(const Expr& a, const Expr& b);
 Expr less_equal(const Expr& a, const Expr& b);
 
 /// d expr / d slot. Kinks (abs, min, max, select) differentiate branch by branch. Throws
-/// Failure(bad_value) when the order of a Bessel function or a parameter of mittag_leffler
-/// depends on the slot: those derivatives have no expression here.
+/// Failure(bad_value) when the order of a Bessel function or of erfcx or a parameter of
+/// mittag_leffler depends on the slot: those derivatives have no expression here.
 Expr derivative(const Expr& expr, Slot slot);
 Expr substitute(const Expr& expr, std::span<const std::pair<Slot, Expr>> replacements);
 /// Rebuilds the tree bottom-up, replacing each node f(node with new args) -> Expr.

@@ -195,6 +195,7 @@ Bounds rules::extension(const Expr& e, std::span<const Bounds> a) {
     return tabulated(*e.table(), a[0], e.op() == Op::table_slope);
   case Op::gamma:
   case Op::bessel_j:
+  case Op::erfcx:
   case Op::mittag_leffler:
   case Op::polygamma:
     return special(e.op(), a);

@@ -19,6 +19,8 @@ using std::numbers::pi;
 constexpr double largest_angle = 1e8;
 /// Relative and absolute error granted to the special functions.
 constexpr double special_error = 1e-11;
+/// Of erfc and erfcx, which are small where they are accurate, too.
+constexpr int special_ulps = 32;
 
 Bounds clipped(Bounds b, double low, double high) {
   b.low = std::clamp(b.low, low, high);
@@ -96,6 +98,14 @@ Bounds polygamma_bounds(const Bounds& order, const Bounds& x) {
   return between(a, b, x);
 }
 
+/// A mixture of exp(-s x), s >= 0: above 0 and falling.
+Bounds erfcx_bounds(const Bounds& order, const Bounds& x) {
+  if (!is_point(order)) return anything(x);
+  const double high = erfcx(order.low, x.low), low = erfcx(order.low, x.high);
+  if (std::isnan(low) || std::isnan(high)) return anything(x);
+  return clipped(widened({low, high, x.known, x.defined}, special_ulps), 0.0, infinity);
+}
+
 /// For 0 < alpha <= 1, beta >= alpha, E(-x) is completely monotone (W. R. Schneider's theorem; see
 /// T. Simon, Mittag-Leffler functions and complete monotonicity, arXiv:1312.4513, 2013), so that E
 /// rises everywhere.
@@ -139,6 +149,9 @@ Bounds function(Op op, const Bounds& x) {
   case Op::tanh:
   case Op::erf:
     return clipped(increasing(op, x), -1.0, 1.0);
+  case Op::erfc: // falls
+    return clipped(widened({std::erfc(x.high), std::erfc(x.low), x.known, x.defined}, special_ulps),
+                   0.0, 2.0);
   case Op::atan:
   case Op::sinh:
     return increasing(op, x);
@@ -155,6 +168,9 @@ Bounds special(Op op, std::span<const Bounds> args) {
     return gamma(x);
   case Op::polygamma:
     result = polygamma_bounds(args[0], x);
+    break;
+  case Op::erfcx:
+    result = erfcx_bounds(args[0], x);
     break;
   case Op::mittag_leffler:
     result = mittag_leffler_bounds(args[0], args[1], x);

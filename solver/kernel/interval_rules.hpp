@@ -21,7 +21,7 @@ Bounds hull(const Bounds& a, const Bounds& b);
 
 /// One-argument functions, sign included.
 Bounds function(Op op, const Bounds& x);
-/// bessel_j, mittag_leffler, polygamma, gamma: parameters first, the variable last.
+/// bessel_j, erfcx, mittag_leffler, polygamma, gamma: parameters first, the variable last.
 Bounds special(Op op, std::span<const Bounds> args);
 Bounds arctangent(const Bounds& y, const Bounds& x);
 Bounds tabulated(const Table& table, const Bounds& x, bool slope);

@@ -63,10 +63,14 @@ Facts facts(Op op) {
     return {"tanh", 1};
   case Op::erf:
     return {"erf", 1};
+  case Op::erfc:
+    return {"erfc", 1};
   case Op::gamma:
     return {"gamma", 1};
   case Op::bessel_j:
     return {"bessel_j", 2};
+  case Op::erfcx:
+    return {"erfcx", 2};
   case Op::mittag_leffler:
     return {"mittag_leffler", 3};
   case Op::less:

@@ -53,10 +53,14 @@ double apply(Op op, double a, double b, double c) {
     return std::tanh(a);
   case Op::erf:
     return std::erf(a);
+  case Op::erfc:
+    return std::erfc(a);
   case Op::gamma:
     return std::tgamma(a);
   case Op::bessel_j:
     return bessel_j(a, b);
+  case Op::erfcx:
+    return erfcx(a, b);
   case Op::mittag_leffler:
     return mittag_leffler(a, b, c);
   case Op::less:

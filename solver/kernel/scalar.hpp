@@ -13,9 +13,11 @@ namespace hvi::solver {
 /// Integer exponents up to this size are repeated multiplication.
 inline constexpr int largest_multiplied_power = 64;
 
-/// Special functions, see special.cpp and mittag_leffler.cpp. Outside the domain: NaN.
+/// Special functions, see special.cpp, erfcx.cpp and mittag_leffler.cpp. Outside the domain: NaN.
 double bessel_j(double order, double x);
 double polygamma(double order, double x);
+/// exp(x^2) i^n erfc(x), i^n the repeated integral from x to infinity; n = 0, 1, .., 100.
+double erfcx(double order, double x);
 /// E_{alpha,beta}(x) for real x, 0 < alpha <= 2, |beta| <= 100.
 double mittag_leffler(double alpha, double beta, double x);
 

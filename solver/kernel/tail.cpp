@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace hvi::solver {
 
@@ -80,6 +81,10 @@ private:
     case Op::sinh:
     case Op::cosh:
       return hyperbolic(e.op(), arg(e, 0));
+    case Op::erfc:
+      return error_left(arg(e, 0), e);
+    case Op::erfcx:
+      return scaled_error(e);
     case Op::min:
     case Op::max:
     case Op::less:
@@ -172,6 +177,29 @@ private:
     const Tail both =
         sum(up, op == Op::cosh ? down : Tail{negate(down.coefficient), down.power, down.log_power});
     return {multiply(both.coefficient, point(0.5)), both.power, both.log_power};
+  }
+
+  /// erfc(z) <= exp(-z^2) for z >= 0.
+  Tail error_left(const Tail& z, const Expr& e) const {
+    const Tail square = raised(z, 2.0);
+    if (!z.grows() || !(z.coefficient.low > 0.0)) return by_ranges(e);
+    return product({{0.0, 1.0}},
+                   exponential_of({negate(square.coefficient), square.power, square.log_power}));
+  }
+
+  /// z^(n+1) w_n(z) rises to 1 / (2^n sqrt(pi)): in the integral of w_n (erfcx.cpp) u = s z leaves
+  /// exp(-u^2 / z^2) alone to depend on z.
+  Tail scaled_error(const Expr& e) const {
+    const Tail& z = arg(e, 1);
+    const Expr& order = e.args()[0];
+    if (!order.is_constant() || !z.grows() || !(z.coefficient.low > 0.0)) return by_ranges(e);
+    const double n = order.value(), first = range_of(z, ray_).low;
+    const Bounds start = multiply(rules::power(point(first), point(n + 1.0)),
+                                  extension(e, std::array{point(n), point(first)}));
+    const double limit = std::numbers::inv_sqrtpi * std::exp2(-n) * (1.0 + 1e-15);
+    if (!std::isfinite(start.low) || !(start.low <= limit)) return by_ranges(e);
+    return product({{start.low, limit, z.coefficient.known, z.coefficient.defined}},
+                   raised(z, -(n + 1.0)));
   }
 
   Tail compared(const Expr& e) const {

@@ -101,6 +101,14 @@ void add_smooth(std::vector<KernelCase>& cases) {
                    .expression = call(Op::mittag_leffler, Expr(0.5), Expr(1.0), -sqrt(l)),
                    .value = [](double, double x) { return half_mittag_leffler(x); },
                    .fit = true});
+  cases.push_back({.name = "erfcx",
+                   .expression = call(Op::erfcx, Expr(0.0), sqrt(l)),
+                   .value = [](double, double x) { return half_mittag_leffler(x); },
+                   .fit = true});
+  cases.push_back({.name = "erfc",
+                   .expression = call(Op::erfc, Expr(3.0) * l - Expr(1.0)),
+                   .value = [](double, double x) { return boost::math::erfc(3 * x - 1); },
+                   .fit = true});
   cases.push_back({.name = "logarithm",
                    .expression = call(Op::log, l),
                    .value = [](double, double x) { return std::log(x); },

@@ -271,6 +271,45 @@ TEST(Strips, OfMittagLefflerFunctionsAreGivenWhereTheyAreProved) {
   }
 }
 
+/// exp(z^2) erfc(z) off the real line by its integral, 2/sqrt(pi) int_0^oo exp(-s^2 - 2 s z) ds.
+std::complex<double> scaled_error_at(std::complex<double> z) {
+  std::complex<double> sum = 0.0;
+  const double h = 2e-3;
+  for (int k = 0; k <= 5000; ++k) {
+    const double s = h * k, weight = k == 0 ? 1.0 : k % 2 == 1 ? 4.0 : 2.0;
+    sum += weight * std::exp(-s * s - 2.0 * s * z);
+  }
+  return 2.0 / std::sqrt(M_PI) * h / 3.0 * sum;
+}
+
+TEST(Strips, OfErrorFunctionsEncloseTheEllipse) {
+  const auto strip_of = [](const Expr& e, double low, double high) {
+    const Tape tape = compile(std::span<const Expr>(&e, 1));
+    std::vector<Strip> registers;
+    const Strip panel = around(low, high);
+    return enclose(tape, std::span<const Strip>(&panel, 1), registers);
+  };
+  const Expr left = Expr::make(Op::erfc, {lag()}), scaled = Expr::make(Op::erfcx, {0.0, lag()});
+  for (const auto& [low, high] : {std::pair{-2.5, -1.9}, {-0.3, 0.4}, {1.0, 1.5}, {4.0, 4.5}}) {
+    const Strip a = strip_of(left, low, high), b = strip_of(scaled, low, high);
+    ASSERT_EQ(a.state, Strip::State::analytic);
+    ASSERT_EQ(b.state, Strip::State::analytic);
+    const double middle = 0.5 * (low + high), half = 0.5 * (high - low);
+    for (double angle = 0.0; angle < 6.3; angle += 0.1) {
+      const std::complex<double> z{middle + 0.5 * (ellipse + 1 / ellipse) * half * std::cos(angle),
+                                   0.5 * (ellipse - 1 / ellipse) * half * std::sin(angle)};
+      const auto value = scaled_error_at(z);
+      EXPECT_LE(std::abs(value), b.modulus() * (1 + 1e-9)) << z;
+      EXPECT_LE(std::abs(value * std::exp(-z * z)), a.modulus() * (1 + 1e-9)) << z;
+    }
+    // not far above: a few times the largest value decide how a panel is cut
+    EXPECT_LE(b.modulus(), 20 * erfcx(0.0, low));
+    EXPECT_LE(a.modulus(), 100 * std::erfc(low));
+    EXPECT_LE(a.real_low, std::erfc(high) * (1 + 1e-12));
+    EXPECT_GE(a.real_high, std::erfc(low) * (1 - 1e-12));
+  }
+}
+
 /// Points of the ellipse around a panel lie in the strip that is given for it.
 TEST(Strips, EncloseTheEllipse) {
   const Strip s = around(1.0, 3.0);

@@ -58,6 +58,10 @@ public:
       t.args = {tree(depth - 1), constant(below(7) - 2)};
       return t;
     }
+    if (t.op == Op::erfcx) { // whole orders
+      t.args = {constant(below(4)), tree(depth - 1)};
+      return t;
+    }
     const int count = arguments(t.op);
     for (int i = 0; i < count; ++i) t.args.push_back(tree(depth - 1));
     if (t.op == Op::select) t.args[0] = condition(depth - 1);
@@ -114,10 +118,10 @@ private:
 inline const std::vector<Op> arithmetic{Op::add, Op::add, Op::mul, Op::mul,
                                         Op::neg, Op::div, Op::pow};
 inline const std::vector<Op> everything{
-    Op::add,  Op::add,   Op::add,  Op::mul,  Op::mul,  Op::mul,  Op::neg,
-    Op::div,  Op::pow,   Op::min,  Op::max,  Op::abs,  Op::sign, Op::exp,
-    Op::log,  Op::sqrt,  Op::sin,  Op::cos,  Op::tan,  Op::asin, Op::acos,
-    Op::atan, Op::atan2, Op::sinh, Op::cosh, Op::tanh, Op::erf,  Op::select};
+    Op::add,  Op::add,  Op::add, Op::mul,  Op::mul,   Op::mul,   Op::neg,   Op::div,
+    Op::pow,  Op::min,  Op::max, Op::abs,  Op::sign,  Op::exp,   Op::log,   Op::sqrt,
+    Op::sin,  Op::cos,  Op::tan, Op::asin, Op::acos,  Op::atan,  Op::atan2, Op::sinh,
+    Op::cosh, Op::tanh, Op::erf, Op::erfc, Op::erfcx, Op::select};
 
 inline double value_at(const Expr& e, std::span<const double> point) {
   return evaluate(e, [&](Slot s) { return point[static_cast<std::size_t>(s)]; });

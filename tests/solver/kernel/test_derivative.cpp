@@ -68,6 +68,14 @@ Complex analytic(Op op, const std::vector<Complex>& a) {
   case Op::erf:
     return {std::erf(a[0].real()),
             a[0].imag() * 2.0 / std::sqrt(M_PI) * std::exp(-a[0].real() * a[0].real())};
+  case Op::erfc:
+    return {std::erfc(a[0].real()),
+            a[0].imag() * -2.0 / std::sqrt(M_PI) * std::exp(-a[0].real() * a[0].real())};
+  case Op::erfcx: { // (exp(x^2) F)' with F' = minus the one before
+    const double n = a[0].real(), v = a[1].real(), value = erfcx(n, v);
+    const double before = n == 0.0 ? 2.0 / std::sqrt(M_PI) : erfcx(n - 1.0, v);
+    return {value, a[1].imag() * (2.0 * v * value - before)};
+  }
   default:
     return apply(op, a[0].real(), a.size() > 1 ? a[1].real() : 0.0, 0.0);
   }
@@ -158,6 +166,9 @@ TEST(Derivative, OfSpecialFunctions) {
     expect_slope(Expr::make(Op::polygamma, {0.0, x}), at);
     expect_slope(Expr::make(Op::bessel_j, {0.0, 3.0 * x}), at);
     expect_slope(Expr::make(Op::bessel_j, {2.0, x}), at);
+    expect_slope(Expr::make(Op::erfc, {x}), at);
+    expect_slope(Expr::make(Op::erfcx, {0.0, x}), at);
+    expect_slope(derivative(Expr::make(Op::erfcx, {0.0, 2.0 * x - 1.0}), 0), at);
     expect_slope(pow(x, 0.7), at);
     expect_slope(pow(1.3, x), at);
     expect_slope(pow(x, x), at);
@@ -199,6 +210,7 @@ TEST(Derivative, OfKinksIsTakenByBranches) {
 
 TEST(Derivative, WithRespectToAnOrderIsRefused) {
   EXPECT_THROW(derivative(Expr::make(Op::bessel_j, {x, t}), 0), Failure);
+  EXPECT_THROW(derivative(Expr::make(Op::erfcx, {x, t}), 0), Failure);
   EXPECT_THROW(derivative(Expr::make(Op::mittag_leffler, {x, 1.0, t}), 0), Failure);
   EXPECT_NO_THROW(derivative(Expr::make(Op::bessel_j, {x, t}), slot::t));
 }

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <random>
 
 using namespace hvi::solver;
@@ -92,6 +93,13 @@ TEST(Interval, IsSharpForSingleOccurrences) {
   expect_bounds(on(abs(x), -1.0, 2.0), 0.0, 2.0);
   expect_bounds(on(max(x, 0.5), -1.0, 2.0), 0.5, 2.0);
   expect_bounds(on(Expr::make(Op::gamma, {x}), 1.0, 3.0), 0.8856031944108886, 2.0);
+  // small values have a sign and as many digits as others
+  const Bounds left = on(Expr::make(Op::erfc, {x}), 10.0, 20.0);
+  EXPECT_NEAR(left.high, std::erfc(10.0), 1e-13 * std::erfc(10.0));
+  EXPECT_GT(left.low, 0.0);
+  const Bounds scaled = on(Expr::make(Op::erfcx, {2.0, x}), 1e3, 1e9);
+  EXPECT_NEAR(scaled.high, std::numbers::inv_sqrtpi / 4e9, 1e-14);
+  EXPECT_GT(scaled.low, 0.0);
 }
 
 TEST(Interval, DecidesCases) {
@@ -115,6 +123,9 @@ TEST(Interval, OfSpecialFunctionsAndTables) {
     expect_contained(Expr::make(Op::mittag_leffler, {0.6, 0.8, x}), -width, 0.3 * width);
     expect_contained(Expr::make(Op::bessel_j, {1.0, x}), -width, width);
     expect_contained(Expr::make(Op::bessel_j, {-3.0, x}), -width, width);
+    expect_contained(Expr::make(Op::erfc, {x}), -width, 3.0 * width);
+    for (const double n : {0.0, 1.0, 4.0})
+      expect_contained(Expr::make(Op::erfcx, {n, x}), -width, 30.0 * width);
     expect_contained(Expr::make(Op::polygamma, {0.0, x}), 0.2, width + 0.2);
     expect_contained(Expr::make(Op::polygamma, {2.0, x}), 0.2, width + 0.2);
     expect_contained(Expr::make(Op::gamma, {x}), 0.2, width + 0.2);

@@ -76,6 +76,8 @@ TEST(Print, WritesCallsAndTables) {
   EXPECT_EQ(to_string(derivative(Expr::tabulated(table, x), 0)), "soil'(x)");
   EXPECT_EQ(to_string(Expr::make(Op::mittag_leffler, {0.5, 1.0, -t})),
             "mittag_leffler(0.5, 1, -t)");
+  EXPECT_EQ(to_string(Expr::make(Op::erfcx, {0.0, x + y})), "erfcx(x + y)");
+  EXPECT_EQ(to_string(Expr::make(Op::erfcx, {2.0, x})), "erfcx(2, x)");
   EXPECT_EQ(to_string(max(0.0, x)), "max(x, 0)");
 }
 

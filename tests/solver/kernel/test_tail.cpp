@@ -29,7 +29,8 @@ bool holds(const Tail& found, double r, double v, double size) {
 TEST(Tail, HoldsSampledValues) {
   RandomTrees random(23,
                      {Op::add, Op::add, Op::mul, Op::mul, Op::neg, Op::div, Op::pow, Op::min,
-                      Op::max, Op::abs, Op::exp, Op::log, Op::sqrt, Op::cosh, Op::select},
+                      Op::max, Op::abs, Op::exp, Op::log, Op::sqrt, Op::cosh, Op::erfc, Op::erfcx,
+                      Op::select},
                      2);
   int sampled = 0, known = 0;
   for (int i = 0; i < 6000; ++i) {
@@ -49,6 +50,23 @@ TEST(Tail, HoldsSampledValues) {
   }
   EXPECT_GT(sampled, 30000);
   EXPECT_GT(known, 2000);
+}
+
+/// x^(n+1) w_n(x) has the limit 1/(2^n sqrt(pi)); erfc dies exponentially.
+TEST(Tail, OfErrorFunctions) {
+  for (const double n : {0.0, 1.0, 3.0}) {
+    const Tail found = tail(Expr::make(Op::erfcx, {n, 2.0 * x}), 1.0, 6.0);
+    EXPECT_EQ(found.power, -(n + 1.0));
+    const double limit = std::pow(0.5, 2.0 * n + 1.0) / std::sqrt(M_PI); // of 2 x
+    EXPECT_NEAR(found.coefficient.high, limit, 1e-13 * limit);
+    EXPECT_GT(found.coefficient.low, 0.9 * limit);
+    for (const double r : {6.0, 7.0, 50.0, 1e6})
+      EXPECT_TRUE(holds(found, r, erfcx(n, 2.0 * r), limit)) << n << " " << r;
+  }
+  const Tail left = tail(pow(x, 3.0) * Expr::make(Op::erfc, {x}), 1.0, 12.0);
+  EXPECT_LT(left.power, -10.0);
+  EXPECT_TRUE(std::isfinite(left.coefficient.high));
+  EXPECT_TRUE(std::isfinite(range_of(left, {0, 1.0, 12.0}).high));
 }
 
 /// The other case would make it grow, or not die.

@@ -80,6 +80,7 @@ TEST(Tape, RunsTablesAndSpecialFunctions) {
                               Table::Interpolation::monotone_cubic);
   const Expr e = Expr::tabulated(table, x) + Expr::tabulated(table, x, true) +
                  Expr::make(Op::mittag_leffler, {0.5, 1.0, -x}) +
+                 Expr::make(Op::erfcx, {1.0, 3.0 * x}) + Expr::make(Op::erfc, {x}) +
                  Expr::make(Op::bessel_j, {1.0, x}) + Expr::make(Op::gamma, {x + 1.0});
   const Tape tape = compile(std::span(&e, 1));
   TapeWorkspace workspace;

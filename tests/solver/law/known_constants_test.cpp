@@ -42,6 +42,21 @@ TEST(KnownConstants, SeeNarrowStepsThatGoDown) {
   }
 }
 
+/// Analytic: the slope of k erfc(z/w) falls by 2 k/(w sqrt(pi)) at 0, that of k erfcx(|z|/w)
+/// likewise, on both sides of a jump of its slope.
+TEST(KnownConstants, OfErrorFunctions) {
+  for (const double w : {1.0, 1e-3, 1e-6}) {
+    const Expr z = (arg() - Expr(0.37)) / Expr(w);
+    const double steepest = 2.0 / (w * std::sqrt(M_PI));
+    expect_proved(
+        known_constants(slope_law("left", Expr(3.0) * Expr::make(Op::erfc, {z})), {}, 0.0).m,
+        3.0 * steepest);
+    expect_proved(
+        known_constants(slope_law("scaled", Expr::make(Op::erfcx, {Expr(0.0), abs(z)})), {}, 0.0).m,
+        steepest);
+  }
+}
+
 TEST(KnownConstants, TellSlowGrowthFromLinear) {
   const Expr r = arg();
   const auto growth = [](const Expr& e) { return known_constants(slope_law("g", e), {}, 0.0).c; };
