@@ -53,7 +53,7 @@ std::vector<double> in_step(const Contact& contact, std::vector<double> weight,
 namespace {
 
 /// The steepest descent of a law's slope at the term's points, at all times of the plan.
-Bracket descent_of(const Problem& problem, const ContactTerm& term, const Law& law) {
+KnownConstants descent_of(const Problem& problem, const ContactTerm& term, const Law& law) {
   LawDomain domain;
   for (const Point& x : term.points.x) {
     domain.part.push_back({{x}, 1});
@@ -103,11 +103,13 @@ LawDescent descent_of_laws(const Problem& problem, const Operators& operators,
     const Law& law = *contact.laws[index];
     out.moves = out.moves || law.depends_on_x() || law.depends_on_t();
     if (!out.obstacle.empty() || term.n_points() == 0) continue;
-    const Bracket m = descent_of(problem, term, law);
+    const KnownConstants known = descent_of(problem, term, law);
+    const Bracket& m = known.m;
     out.weight[term.points.law_term] = m.value();
     out.softens = out.softens || m.value() > 0.0;
     if (std::isinf(m.value()))
-      out.obstacle = fmt::format("`{}` jumps down", law.spec().name);
+      out.obstacle = fmt::format("`{}` {}", law.spec().name,
+                                 known.jumps_down ? "jumps down" : "falls arbitrarily steeply");
     else if (!m.bounded_by_proof())
       out.obstacle = fmt::format("m_J of `{}` is sampled, not proved", law.spec().name);
   }

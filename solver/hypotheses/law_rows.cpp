@@ -65,8 +65,13 @@ void Judgement::judge_law(const TermConstants& law, const LawTerm& term, Descent
       std::isfinite(m)
           ? fmt::format("steepest descent of the slope{}; regular, as j + m r^2/2 is convex",
                         m > 0.0 ? fmt::format(" at {:.6g}", law.at) : "")
-          : fmt::format("the slope jumps down at {:.6g}{}", law.at,
-                        law.regular ? "; -j is regular" : "; neither j nor -j is regular"))
+      : law.jumps_down
+          ? fmt::format("the slope jumps down at {:.6g}{}", law.at,
+                        law.regular ? "; -j is regular" : "; neither j nor -j is regular")
+      : std::isfinite(law.at)
+          ? fmt::format("the slope falls infinitely steeply at {:.6g}, as a root does{}", law.at,
+                        law.regular ? "; j is regular" : "")
+          : "the slope falls ever more steeply far from 0")
       .known = law.m;
 }
 

@@ -76,6 +76,7 @@ std::vector<TermConstants> law_constants(const Problem& problem, const Discretis
     if (term.n_points() > 0) {
       const KnownConstants k = constants_of(problem, d, term, law);
       here.m = k.m, here.c = k.c, here.at = k.worst_at;
+      here.jumps_down = k.jumps_down;
       here.lipschitz = std::max(k.m.value(), k.steepest_ascent.value());
       here.regular = k.clarke_regular || std::isfinite(k.m.value());
     }

@@ -17,6 +17,7 @@ struct TermConstants {
   Bracket m, c;           ///< m_J and c_J of H(J)
   double lipschitz = 0.0; ///< of the slope; infinite where it jumps
   bool regular = true;
+  bool jumps_down = false;
   double at = 0.0; ///< the argument where m is attained
 };
 std::vector<TermConstants>

@@ -107,8 +107,8 @@ private:
     else if (positive)
       out_.discrete_verdict = "uniqueness is not guaranteed: the load is not finite";
     else if (std::isinf(facts_.steps_margin))
-      out_.discrete_verdict = "uniqueness is not guaranteed: a law jumps down, or the forms are "
-                              "not coercive";
+      out_.discrete_verdict = "uniqueness is not guaranteed: a law jumps down or falls arbitrarily "
+                              "steeply, or the forms are not coercive";
     else
       out_.discrete_verdict =
           facts_.is_static

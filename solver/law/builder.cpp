@@ -5,6 +5,7 @@
 #include "solver/kernel/table.hpp"
 #include "solver/law/law_failure.hpp"
 #include "solver/law/rounded_size.hpp"
+#include "solver/law/towards.hpp"
 
 #include <boost/math/quadrature/gauss.hpp>
 #include <fmt/format.h>
@@ -252,6 +253,9 @@ double GraphBuilder::limit(int function, double at, double inner, const Point& x
   const SmoothFunction& f = functions_[function];
   const double direct = f.slope(at, x, t);
   if (std::isfinite(direct)) return direct;
+  const Expr rest = without_vanishing(f.slope_expression(), {at, inner > at ? 1.0 : -1.0, x, t});
+  const PointTape slope({&rest, 1});
+  if (const double of_rest = slope(at, x, t); std::isfinite(of_rest)) return of_rest;
   double best = infinity, value = 0.0;
   const auto try_guess = [&](double guess, double last) {
     const double error = std::abs(guess - last) / std::max(std::abs(guess), 1e-300);
@@ -259,8 +263,8 @@ double GraphBuilder::limit(int function, double at, double inner, const Point& x
   };
   double h = inner - at, last = infinity, last_of_power = infinity;
   for (int k = 0; k < 40; ++k, h /= 2.0) {
-    const double far = f.slope(at + h, x, t), middle = f.slope(at + h / 2.0, x, t),
-                 near = f.slope(at + h / 4.0, x, t), step = near - middle;
+    const double far = slope(at + h, x, t), middle = slope(at + h / 2.0, x, t),
+                 near = slope(at + h / 4.0, x, t), step = near - middle;
     const double guess = 2.0 * middle - far, ratio = step / (middle - far);
     try_guess(guess, last);
     last = guess;
@@ -276,13 +280,25 @@ double GraphBuilder::limit(int function, double at, double inner, const Point& x
        "the slope must stay bounded near every argument");
 }
 
-/// A law of a vector is asked at 0 itself, where a limit is no help.
-void GraphBuilder::check_origin(const LawGraph& graph, double inner) const {
+/// The value at `at`. What has none there could be written without its quotient or root, but for
+/// logarithms: r log(r) tends to 0.
+double GraphBuilder::value_beside(const Expr& e, double at, double inner, const Point& x,
+                                  LawTime t) const {
+  const double direct = PointTape({&e, 1})(at, x, t);
+  if (std::isfinite(direct) || !has_logarithm(e)) return direct;
+  const Expr rest = without_vanishing(e, {at, inner > at ? 1.0 : -1.0, x, t});
+  return rest == e ? direct : PointTape({&rest, 1})(at, x, t);
+}
+
+/// A law of a vector is asked at 0 itself, where the limit of a quotient is no help.
+double GraphBuilder::slope_at_origin(const LawGraph& graph, double inner) const {
   limit(graph.functions[0], 0.0, inner, graph.x, graph.t);
   const SmoothFunction& first = functions_[graph.functions[0]];
-  if (!spec_.by_slope)
-    check_number(first.potential(0.0, graph.x, graph.t), "potential", 0.0, graph);
-  check_number(first.slope(0.0, graph.x, graph.t), "slope", 0.0, graph);
+  const auto at_zero = [&](const Expr& e) { return value_beside(e, 0.0, inner, graph.x, graph.t); };
+  if (!spec_.by_slope) check_number(at_zero(first.expression()), "potential", 0.0, graph);
+  const double slope = at_zero(first.slope_expression());
+  check_number(slope, "slope", 0.0, graph);
+  return slope;
 }
 
 void GraphBuilder::check_number(double value, const char* of, double at,
@@ -303,7 +319,7 @@ void GraphBuilder::set_limits(LawGraph& graph) const {
     graph.left.push_back(limit(graph.functions[i], b, inner(i), graph.x, graph.t));
     graph.right.push_back(limit(graph.functions[i + 1], b, inner(i + 1), graph.x, graph.t));
   }
-  if (spec_.radial) check_origin(graph, inner(0));
+  if (spec_.radial) graph.origin = slope_at_origin(graph, inner(0));
   close_rounding_gaps(graph);
 }
 
@@ -358,8 +374,13 @@ void GraphBuilder::set_offsets(LawGraph& graph) const {
 void GraphBuilder::check_potential(const LawGraph& graph) const {
   for (int i = 0; i + 1 < graph.pieces(); ++i) {
     const double b = graph.breaks[i];
-    const double l = functions_[graph.functions[i]].potential(b, graph.x, graph.t);
-    const double r = functions_[graph.functions[i + 1]].potential(b, graph.x, graph.t);
+    const auto potential = [&](int piece) {
+      const double inner =
+          sample_of(piece_low(graph, piece, spec_.radial), piece_high(graph, piece));
+      return value_beside(functions_[graph.functions[piece]].expression(), b, inner, graph.x,
+                          graph.t);
+    };
+    const double l = potential(i), r = potential(i + 1);
     for (const double value : {l, r}) check_number(value, "potential", b, graph);
     const double size = std::max(
         {std::abs(l), std::abs(r), std::abs(b * graph.left[i]), std::abs(b * graph.right[i])});
@@ -413,13 +434,30 @@ double integral(const F& f, double slope_at_a, double a, double b) {
   return sum;
 }
 
+/// The potential; at an end of its piece where it has no value (r^2 log(r) at 0) that of the next
+/// number inside that has one, which it is Lipschitz to.
+double potential_inside(const SmoothFunction& function, const LawGraph& graph, int piece, double r,
+                        bool radial) {
+  const double direct = function.potential(r, graph.x, graph.t);
+  if (std::isfinite(direct) || !std::isfinite(r)) return direct;
+  const double low = piece_low(graph, piece, radial), high = piece_high(graph, piece);
+  if (r != low && r != high) return direct;
+  const double least = std::max(0x1p-53 * std::abs(r), std::numeric_limits<double>::min());
+  for (const int doubled : {1, 2, 3, 4, 6, 8}) {
+    const double step = std::ldexp(least, doubled);
+    const double v = function.potential(r == low ? r + step : r - step, graph.x, graph.t);
+    if (std::isfinite(v)) return v;
+  }
+  return direct;
+}
+
 } // namespace
 
 double primitive(const LawSpec& spec, const SmoothFunction& function, const LawGraph& graph,
                  int piece, double r) {
   const auto& p = graph.smooth[piece];
   if (p.degree >= 0) return polynomial_primitive(p, r);
-  if (!spec.by_slope) return function.potential(r, graph.x, graph.t);
+  if (!spec.by_slope) return potential_inside(function, graph, piece, r, spec.radial);
   if (r == p.centre) return 0.0;
   if (!std::isfinite(r)) return std::numeric_limits<double>::quiet_NaN();
   const auto slope = [&](double s) {

@@ -32,13 +32,17 @@ Bracket supremum(const Expr& f, const Piece& p) {
 
 Descent descent(const Piece& p) {
   if (p.smooth.degree >= 0) return polynomial_descent(p.smooth, p.low, p.high);
+  if (const auto at = steep_end(p.function, p.graph, p.low, p.high, -1.0))
+    return {Bracket::exactly(infinity), *at};
   return smooth_descent(p.function, p.graph, p.low, p.high, p.effort);
 }
 
 Bracket ascent(const Piece& p) {
   if (p.smooth.degree >= 0)
     return Bracket::exactly(std::max(0.0, polynomial_range(p.smooth, p.low, p.high).high));
-  return supremum(derivative(p.function.slope_expression(), slot::r), p);
+  const Expr rise = derivative(p.function.slope_expression(), slot::r);
+  return steep_end(p.function, p.graph, p.low, p.high, 1.0) ? Bracket::exactly(infinity)
+                                                            : supremum(rise, p);
 }
 
 /// sup |slope| / (1 + |r|) over one piece; infinite when the slope grows faster than r.
@@ -72,7 +76,8 @@ KnownConstants constants_of(const GraphBuilder& builder, bool radial, const LawG
                  effort};
   };
   const int home = piece_of(g, 0.0);
-  const double origin = g.smooth[home].degree >= 0
+  const double origin = radial ? g.origin
+                        : g.smooth[home].degree >= 0
                             ? polynomial(g.smooth[home], 0.0)
                             : builder.function(g.functions[home]).slope(0.0, g.x, g.t);
   const GraphJumps jumps = jumps_of(g, radial, std::isfinite(origin) ? origin : 0.0);
@@ -85,6 +90,7 @@ KnownConstants constants_of(const GraphBuilder& builder, bool radial, const LawG
     k.c = larger(k.c, growth(p));
   }
   if (jumps.down) k.m = Bracket::exactly(infinity), k.worst_at = jumps.down_at;
+  k.jumps_down = jumps.down;
   if (jumps.unbounded) k.c = Bracket::exactly(infinity);
   if (jumps.up) k.steepest_ascent = Bracket::exactly(infinity);
   k.slope_scale = jumps.slope_scale;

@@ -2,6 +2,7 @@
 #include "solver/law/descent.hpp"
 
 #include "solver/common/numbers.hpp"
+#include "solver/law/towards.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -76,6 +77,19 @@ Descent smooth_descent(const SmoothFunction& f, const LawGraph& graph, double lo
   const LargestValue found =
       f.descent(range, graph.x, graph.t, {effort.evaluations, effort.digits, rounding * size, 0.0});
   return {without_rounding(found.value, size), found.at[0]};
+}
+
+std::optional<double> steep_end(const SmoothFunction& f, const LawGraph& graph, double low,
+                                double high, double sign) {
+  for (const auto& [at, side] : {std::pair{low, 1.0}, {high, -1.0}}) {
+    if (!std::isfinite(at)) continue;
+    double slope = 0.0, there = 0.0;
+    f.slope_and_curvature(at, graph.x, graph.t, slope, there);
+    if (std::isfinite(there)) continue;
+    const Expr rise = derivative(f.slope_expression(), slot::r);
+    if (grows_towards(Expr(sign) * rise, {at, side, graph.x, graph.t})) return at;
+  }
+  return {};
 }
 
 GraphJumps jumps_of(const LawGraph& g, bool radial, double origin) {

@@ -4,6 +4,8 @@
 #include "solver/law/known_constants.hpp"
 #include "solver/law/smooth.hpp"
 
+#include <optional>
+
 namespace hvi::solver {
 
 /// The steepest descent of a slope: sup of -slope', at least 0.
@@ -21,6 +23,11 @@ Descent polynomial_descent(const LawGraph::Smooth& p, double low, double high);
 /// What is below the rounding of the curvature at a few points counts as 0.
 Descent smooth_descent(const SmoothFunction& f, const LawGraph& graph, double low, double high,
                        ProofEffort effort);
+
+/// The end of a piece at which the slope rises (sign 1) or falls (sign -1) infinitely steeply, by
+/// proof: as -sqrt(r) falls at 0.
+std::optional<double> steep_end(const SmoothFunction& f, const LawGraph& graph, double low,
+                                double high, double sign);
 
 /// Where the slope of a graph jumps; for a radial law, whose slope at 0 is `origin`, also there.
 struct GraphJumps {

@@ -9,8 +9,11 @@ namespace hvi::solver {
 /// As LawConstants, by proof where one is found: closed forms for polynomials, else branch and
 /// bound over every argument (supremum.hpp).
 struct KnownConstants {
-  Bracket m; ///< steepest descent of the slope, m_J of H(J)(iii); inf at a downward jump
-  Bracket c; ///< growth: |xi| <= c (1 + |r|), c_J of H(J)(ii); inf if superlinear
+  /// Steepest descent of the slope, m_J of H(J)(iii); infinite where it jumps down, or falls
+  /// infinitely steeply.
+  Bracket m;
+  bool jumps_down = false;
+  Bracket c;                  ///< growth: |xi| <= c (1 + |r|), c_J of H(J)(ii); inf if superlinear
   Bracket steepest_ascent;    ///< sup of the slope's derivative; inf at an upward jump
   double slope_scale = 0.0;   ///< a typical |xi|
   bool clarke_regular = true; ///< j or -j regular (finite m: always, since j + m r^2/2 is convex)
@@ -45,7 +48,7 @@ struct LawDomain {
 KnownConstants known_constants(const Law& law, const LawDomain& domain,
                                ProofEffort effort = {20000, 1e-8});
 
-/// Only m of it, with what a run may spend.
-Bracket steepest_descent(const Law& law, const LawDomain& domain);
+/// Only m of it and whether the slope jumps down, with what a run may spend.
+KnownConstants steepest_descent(const Law& law, const LawDomain& domain);
 
 } // namespace hvi::solver

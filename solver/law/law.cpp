@@ -55,7 +55,7 @@ double Law::slope(const LawGraph& graph, int piece, double r) const {
   // An expression undefined at the very break has its limit there.
   if (piece > 0 && r == graph.breaks[piece - 1]) return graph.right[piece - 1];
   if (piece + 1 < graph.pieces() && r == graph.breaks[piece]) return graph.left[piece];
-  return v;
+  return impl_->spec.radial && piece == 0 && r == 0.0 ? graph.origin : v;
 }
 
 double Law::curvature(const LawGraph& graph, int piece, double r) const {
@@ -87,11 +87,18 @@ Law::CurvatureRange Law::curvature_range(const LawGraph& graph, int piece, doubl
   return {-down.m.value(), infinity, down.at, proved};
 }
 
+std::optional<double> Law::steep_fall(const LawGraph& graph, int piece) const {
+  if (graph.smooth[piece].degree >= 0) return {};
+  return steep_end(impl_->function(graph, piece), graph,
+                   piece_low(graph, piece, impl_->spec.radial), piece_high(graph, piece), -1.0);
+}
+
 LawConstants Law::constants(const Point& x, LawTime t) const {
   const LawGraph g = graph(x, t);
   const KnownConstants known = constants_of(impl_->builder, impl_->spec.radial, g, small_effort);
   LawConstants k;
   k.m = known.m.value(), k.c = known.c.value();
+  k.jumps_down = known.jumps_down;
   k.steepest_ascent = known.steepest_ascent.value();
   k.slope_scale = known.slope_scale, k.worst_at = known.worst_at;
   k.exact = known.m.bounded_by_proof() && known.c.bounded_by_proof();

@@ -8,6 +8,7 @@
 #include <array>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -70,6 +71,7 @@ struct LawGraph {
   std::vector<int> functions;      ///< which smooth function of the law piece i uses
   std::vector<double> left, right; ///< slope limits at breaks[i]
   std::vector<double> offsets;     ///< potential of piece i = its primitive + offsets[i]
+  double origin = 0.0;             ///< of a radial law: the slope at 0, or its limit
   Point x{};
   LawTime t;
   int pieces() const { return static_cast<int>(functions.size()); }
@@ -81,8 +83,9 @@ constexpr double unbounded_slope = 1e250;
 
 /// Where a law's numbers hold, and how they were found.
 struct LawConstants {
-  double m = 0.0; ///< steepest descent of the slope, m_J of H(J)(iii); inf at a downward jump
-  double c = 0.0; ///< growth: |xi| <= c (1 + |r|), c_J of H(J)(ii); inf if superlinear
+  double m = 0.0;          ///< steepest descent of the slope, m_J of H(J)(iii); may be infinite
+  bool jumps_down = false; ///< it is, and not since the slope falls infinitely steeply
+  double c = 0.0;          ///< growth: |xi| <= c (1 + |r|), c_J of H(J)(ii); inf if superlinear
   double steepest_ascent = 0.0; ///< sup of the slope's derivative; inf at an upward jump
   double slope_scale = 0.0;     ///< a typical |xi|: scales the certificate
   bool exact = false;           ///< by symbolic derivative and interval bound; else sampled
@@ -124,6 +127,9 @@ public:
     bool exact = true;   ///< closed form or interval bound; else sampled
   };
   CurvatureRange curvature_range(const LawGraph& graph, int piece, double low, double high) const;
+
+  /// An end of the piece at which the slope falls infinitely steeply.
+  std::optional<double> steep_fall(const LawGraph& graph, int piece) const;
 
   LawConstants constants(const Point& x, LawTime t) const;
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace hvi::solver {
 
@@ -124,10 +125,10 @@ public:
     return out_;
   }
 
-  Bracket descent() {
+  KnownConstants descent() {
     look_at_graphs();
     descend(supremum(-derivative(slope_, slot::r), slope_size_ / reach_));
-    return out_.m;
+    return out_;
   }
 
 private:
@@ -154,8 +155,13 @@ private:
     const double size = std::isfinite(out_.steepest_ascent.low) ? out_.steepest_ascent.low : 0.0;
     out_.m = without_rounding(found.value, size);
     const JumpAnswer jumps = down_ ? JumpAnswer::down : downward_jumps();
-    if (jumps == JumpAnswer::down) out_.m = Bracket::exactly(infinity), out_.worst_at = down_at_;
-    if (jumps == JumpAnswer::unknown) out_.m = Bracket::at_least(out_.m.low);
+    out_.jumps_down = jumps == JumpAnswer::down;
+    if (out_.jumps_down)
+      out_.m = Bracket::exactly(infinity), out_.worst_at = down_at_;
+    else if (steep_at_)
+      out_.m = Bracket::exactly(infinity), out_.worst_at = *steep_at_;
+    else if (jumps == JumpAnswer::unknown)
+      out_.m = Bracket::at_least(out_.m.low);
   }
 
   enum class JumpAnswer { none, down, unknown };
@@ -239,6 +245,7 @@ private:
     up_ = up_ || jumps.up;
     slope_size_ = std::max(slope_size_, jumps.slope_scale);
     for (const double b : g.breaks) reach_ = std::max(reach_, std::abs(b));
+    for (int i = 0; i < g.pieces() && !steep_at_; ++i) steep_at_ = law_.steep_fall(g, i);
   }
 
   /// A few graphs: sizes, and jumps that samples show.
@@ -261,6 +268,7 @@ private:
   Expr slope_;
   KnownConstants out_;
   double slope_size_ = 0.0, reach_ = 1.0, down_at_ = 0.0;
+  std::optional<double> steep_at_; ///< where a graph falls infinitely steeply
   bool up_ = false, down_ = false;
 };
 
@@ -270,20 +278,22 @@ KnownConstants known_constants(const Law& law, const LawDomain& domain, ProofEff
   return OverRange(law, domain, effort).constants();
 }
 
-Bracket steepest_descent(const Law& law, const LawDomain& domain) {
+KnownConstants steepest_descent(const Law& law, const LawDomain& domain) {
   if (law.depends_on_x() || law.depends_on_t())
     return OverRange(law, domain, {1000, 1e-3}).descent();
   const LawGraph g = law.graph(domain.part.front().corners[0], domain.t_low);
   const bool radial = law.spec().radial;
   const GraphJumps jumps = jumps_of(g, radial, law.slope(g, piece_of(g, 0.0), 0.0));
-  if (jumps.down) return Bracket::exactly(infinity);
-  Bracket m;
-  for (int i = 0; i < g.pieces(); ++i) {
+  KnownConstants out;
+  out.jumps_down = jumps.down;
+  if (jumps.down) out.m = Bracket::exactly(infinity);
+  for (int i = 0; i < g.pieces() && std::isfinite(out.m.value()); ++i) {
+    if (law.steep_fall(g, i)) out.m = Bracket::exactly(infinity);
     const auto range = law.curvature_range(g, i, piece_low(g, i, radial), piece_high(g, i));
     const double here = std::max(0.0, -range.low);
-    m = larger(m, range.exact ? Bracket::exactly(here) : Bracket::at_least(here));
+    out.m = larger(out.m, range.exact ? Bracket::exactly(here) : Bracket::at_least(here));
   }
-  return m;
+  return out;
 }
 
 } // namespace hvi::solver

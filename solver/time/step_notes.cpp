@@ -97,17 +97,16 @@ void note_choices(const Plan& plan, const Contact& contact, RunResult& result) {
                                           "found with it in each step",
                                           law.spec().name),
                               spec.origin});
-    if (std::isfinite(
-            law.constants(term.points.x[0], initial_law_times(plan.problem, law, term.points, start,
-                                                              term.first_readings)
-                                                .front())
-                .m))
-      continue;
+    const LawConstants known = law.constants(
+        term.points.x[0],
+        initial_law_times(plan.problem, law, term.points, start, term.first_readings).front());
+    if (std::isfinite(known.m)) continue;
     result.notes.push_back(
         {0, 0.0,
-         fmt::format("`{}` jumps down, so uniqueness is not guaranteed; {}; it is "
+         fmt::format("`{}` {}, so uniqueness is not guaranteed; {}; it is "
                      "reversible: what broke holds again on the way back",
-                     law.spec().name, sentence(plan.options.branch)),
+                     law.spec().name, known.jumps_down ? "jumps down" : "falls arbitrarily steeply",
+                     sentence(plan.options.branch)),
          spec.origin});
   }
 }

@@ -26,6 +26,21 @@ def check(script, *options, code=0):
     return report
 
 
+FALLING = """mesh slab = rectangle(2, 1, cells = [2, 1])
+part roof = slab.top
+part ground = slab.bottom
+tensor B = isotropic(young = 70, poisson = 0.3)
+superpotential layer(r) with slope {slope}
+space V = vector P1 on slab, zero on roof
+find u in V for t in [0, 0.5] by 2 steps from u = 0
+such that for all v in V
+    integral(slab, B : eps(u') : eps(v)) + integral(slab, B : eps(u) : eps(v)) + integral(ground, layer^0(u.nu; v.nu))
+ >= integral(slab, dot([1, -t], v))
+report
+  table u_y = u.y at [1, 0]
+"""
+
+
 def slab_traces(n):
     """Largest eigenvalues of the lumped mass of the bottom (normal, tangential, full) against the Gram
     matrix, on the slab 2 x 1 in 2n x n cells cut by the lower-left/upper-right diagonal, clamped on top."""
@@ -92,6 +107,22 @@ run = subprocess.run([hvi_run, "run", strip, "--strict"], capture_output=True, t
 assert run.returncode == 4 and "u_y" not in run.stdout.split("verdict")[-1], run
 lines = {h["name"]: h["line"] for h in report["hypotheses"] if h["holds"] is False}
 assert "superpotential" in strip.read_text() and lines["H(J)"] > 0
+
+# Nor has one that falls like a root, which jumps nowhere, or ever more steeply.
+with tempfile.TemporaryDirectory() as folder:
+    for slope, words in (("(| r <= 0.1 -> 0 | otherwise -> -sqrt(r - 0.1))", "falls infinitely steeply at 0.1"),
+                         ("(| r <= 0 -> 0 | otherwise -> r*log(r))", "falls infinitely steeply at 0,"),
+                         ("(| r <= x/10 + t -> 0 | otherwise -> -sqrt(r - x/10 - t))", "falls infinitely steeply at"),
+                         ("-r^3", "falls ever more steeply far from 0")):
+        script = pathlib.Path(folder) / "root.hvi"
+        script.write_text(FALLING.format(slope=slope))
+        report = check(script)
+        assert report["constants"]["m_J"] == "inf", (slope, report["constants"])
+        found = [h for h in report["hypotheses"] if "relaxed monotone" in h["bound"]]
+        assert len(found) == 1 and found[0]["holds"] is False and words in found[0]["note"], (slope, found)
+        assert not report["verdict"]["discrete"]["holds"]
+        run = subprocess.run([hvi_run, "run", script, "--no-files"], capture_output=True, text=True)
+        assert run.returncode == 0 and "falls arbitrarily steeply" in run.stdout and "jumps" not in run.stdout, (slope, run)
 
 # Coulomb's bound is no superpotential of its own.
 report = check(root / "tests/published/coulomb_shear.hvi")

@@ -111,6 +111,48 @@ TEST(KnownConstants, FindJumpsDownThatMoveOrHide) {
   EXPECT_EQ(known_constants(kink, floor_of(4)).m.low, inf);
 }
 
+/// What falls like a root, or like r log(r), has no m_J: it is infinite by proof, as is the ascent
+/// of what rises so. Sampling sees numbers of 1e100.
+TEST(KnownConstants, OfRootsAreInfinite) {
+  const Expr r = arg();
+  for (const double at : {0.0, 0.3, -7.1}) {
+    const Expr x = r - Expr(at);
+    const auto above = [&](const Expr& e) {
+      return known_constants(slope_law("root", select(less_equal(x, Expr(0.0)), Expr(0.0), e)), {},
+                             0.0);
+    };
+    const std::vector<Expr> falling{-sqrt(x), Expr(2.0) * x - pow(x, 0.9), x * log_of(x),
+                                    sqrt(x) * log_of(x), -sqrt(x) / (Expr(1.0) + x)};
+    for (const Expr& e : falling) {
+      const KnownConstants k = above(e);
+      EXPECT_EQ(k.m.low, inf) << to_string(e) << " at " << at;
+      EXPECT_EQ(k.worst_at, at);
+      EXPECT_FALSE(k.jumps_down);
+      EXPECT_TRUE(k.clarke_regular);
+    }
+    const KnownConstants rises = above(sqrt(x));
+    expect_proved(rises.m, 0.0);
+    EXPECT_EQ(rises.steepest_ascent.low, inf);
+    EXPECT_TRUE(std::isfinite(above(-pow(x, 1.5) / (Expr(1.0) + x)).m.value()));
+  }
+  const Law cube = slope_law("cube", -pow(r, 3.0)); // ever more steeply
+  EXPECT_EQ(known_constants(cube, {}, 0.0).m.low, inf);
+  EXPECT_FALSE(known_constants(cube, {}, 0.0).jumps_down);
+  const Law drop = slope_law("drop", select(less(r, Expr(0.3)), r, Expr(0.0)));
+  EXPECT_TRUE(known_constants(drop, {}, 0.0).jumps_down);
+  // over a part and all times, where the end of the piece moves; and for a run
+  const Expr moving = r - Expr(0.1) * x0() - time_();
+  const Law law =
+      slope_law("moving", select(less_equal(moving, Expr(0.0)), Expr(0.0), -sqrt(moving)));
+  for (const KnownConstants& k :
+       {known_constants(law, floor_of(4)), steepest_descent(law, floor_of(4))}) {
+    EXPECT_EQ(k.m.low, inf);
+    EXPECT_FALSE(k.jumps_down);
+  }
+  const Law still = slope_law("still", select(less_equal(r, Expr(0.0)), Expr(0.0), -sqrt(r)));
+  EXPECT_EQ(steepest_descent(still, floor_of(4)).m.low, inf);
+}
+
 /// A wall that stands at 0 is no size of multipliers: beside 1e300 every error would be none.
 TEST(KnownConstants, AWallIsNoScale) {
   const Expr r = arg();

@@ -281,6 +281,46 @@ TEST(Law, RootsThatRoundingMissesHaveTheirLimit) {
   }
 }
 
+/// Analytic: x^a log(x)^n -> 0 for a > 0, whatever stands beside it, from either side of any break.
+TEST(Law, LogarithmsThatVanishHaveTheirLimit) {
+  const auto log_of = [](const Expr& e) { return Expr::make(Op::log, {e}); };
+  const Expr r = arg();
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(0.1, 3.0);
+  for (int scene = 0; scene < 200; ++scene) {
+    const double at = scene % 3 == 0 ? 0.0 : any(random) - 1.5, side = scene % 2 == 0 ? 1.0 : -1.0,
+                 c = any(random), a = scene % 5 == 0 ? 0.01 : any(random), n = 1.0 + scene % 2;
+    const Expr x = Expr(side) * (r - Expr(at));
+    const Expr inside = Expr(c) + Expr(7.0) * pow(x, Expr(a)) * pow(log_of(Expr(c) * x), Expr(n));
+    const Law law =
+        slope_law("vanishing", select(less(x, Expr(0.0)), Expr(1.0), inside / (Expr(1.0) + x * x)));
+    const LawGraph g = law.graph(here, now);
+    ASSERT_EQ(g.breaks.size(), 1u);
+    EXPECT_NEAR(side > 0.0 ? g.right[0] : g.left[0], c, 1e-14) << at << ' ' << a << ' ' << n;
+    EXPECT_EQ(side > 0.0 ? g.left[0] : g.right[0], 1.0);
+  }
+  // by potential, whose slope is 2 r log|r| + r
+  const Law square = potential_law("square", r * r * log_of(abs(r)));
+  const LawGraph g = square.graph(here, now);
+  EXPECT_EQ(clarke(square, g, 0.0).low, 0.0);
+  EXPECT_EQ(clarke(square, g, 0.0).high, 0.0);
+  for (const int piece : {0, 1}) {
+    EXPECT_NEAR(square.potential(g, piece, 0.0), 0.0, 1e-300);
+    EXPECT_EQ(square.slope(g, piece, 0.0), 0.0);
+  }
+  EXPECT_NEAR(square.potential(g, 1, 2.0), 4.0 * std::log(2.0), 1e-14);
+  // of a vector, which is asked at 0 itself
+  const Law radial = slope_law("radial", Expr(0.3) + r * log_of(r), true);
+  const LawGraph of_vector = radial.graph(here, now);
+  EXPECT_EQ(radial.slope(of_vector, 0, 0.0), 0.3);
+  const double z[2] = {0.0, 0.0}, xi[2] = {0.1, 0.2};
+  EXPECT_EQ(inclusion_distance(radial, of_vector, z, xi, 2, 0.0), 0.0);
+  // the slope of r log(r) is log(r) + 1
+  expect_bad(r * log_of(abs(r)), false, "infinite or undefined at r = 0");
+  expect_bad(r * log_of(r), false, "infinite or undefined at |xi| = 0", true);
+  expect_bad(pow(abs(r), Expr(1e-3)) + log_of(abs(r)), true, "infinite or undefined at r = 0");
+}
+
 TEST(Law, AcceptsRemovableSingularities) {
   const Expr r = arg();
   const Law law = slope_law("sinc", Expr::make(Op::sin, {r}) / r);
