@@ -105,9 +105,6 @@ void PointForm::add_point(std::size_t p, DenseMatrix& of_cell) {
   const int n = space_->components;
   for (std::size_t e = 0; e < entries_.size(); ++e) {
     const double c = points_.weight[p] * values_[e * points_.size() + p];
-    if (!std::isfinite(c))
-      throw_not_finite(term_->origin, "a coefficient of the form", c, points_.point(p),
-                       space_->mesh->dim);
     if (c == 0.0) continue;
     const auto& [test, trial] = entries_[e];
     for (int i = 0; i < shapes.size; ++i)
@@ -117,9 +114,18 @@ void PointForm::add_point(std::size_t p, DenseMatrix& of_cell) {
   }
 }
 
-void PointForm::assemble(const DofSelection& dofs, const Pointwise::Columns& more,
-                         SparseMatrix& into) {
+void PointForm::evaluate(const Pointwise::Columns& more, const double* t) {
   coefficients_.evaluate(points_, 0.0, term_->origin, values_, more);
+  for (std::size_t p = 0; p < points_.size(); ++p)
+    for (std::size_t e = 0; e < entries_.size(); ++e)
+      if (const double c = values_[e * points_.size() + p]; !std::isfinite(c))
+        throw_not_finite(term_->origin, "a coefficient of the form", c, points_.point(p),
+                         space_->mesh->dim, t);
+}
+
+void PointForm::assemble(const DofSelection& dofs, const Pointwise::Columns& more,
+                         SparseMatrix& into, const double* t) {
+  evaluate(more, t);
   into.coeffs().setZero();
   const auto size = static_cast<Eigen::Index>(space_->components) *
                     static_cast<Eigen::Index>(space_->nodes_of_cell(0).size());

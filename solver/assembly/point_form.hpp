@@ -17,9 +17,12 @@ public:
   /// Keeps references to space and term. The points come cell by cell.
   PointForm(const Space& space, PointBlock points, const FormTerm& term);
   /// into = K. `into` has the pattern of assemble_form with these dofs; `more`: the values at the
-  /// points of slots besides x and the indicators of parts. Throws Failure(bad_value) naming the
-  /// point where a coefficient is not finite.
-  void assemble(const DofSelection& dofs, const Pointwise::Columns& more, SparseMatrix& into);
+  /// points of slots besides x and the indicators of parts. Throws as `evaluate` does.
+  void assemble(const DofSelection& dofs, const Pointwise::Columns& more, SparseMatrix& into,
+                const double* t = nullptr);
+  /// Throws Failure(bad_value) naming the point, and the time where it is given, where a
+  /// coefficient is not finite.
+  void evaluate(const Pointwise::Columns& more, const double* t);
   std::size_t points() const { return points_.size(); }
 
 private:

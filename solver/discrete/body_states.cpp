@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <vector>
 
@@ -70,18 +71,50 @@ PointForm point_form(const Problem& problem, const Discretisation& d, const Cont
   return {d.space, std::move(all), form};
 }
 
-/// Assembles a form for these states: at the points of their group, or anywhere.
+/// Is it the time itself?
+bool is_time(const Problem& problem, const StateTerm& state) {
+  return is_uniform(state) && state.rate.is(1.0) && !problem.time.is_static &&
+         state.initial.is(problem.time.grid.front()) && std::isinf(state.low) &&
+         std::isinf(state.high);
+}
+
+/// What a form reads of states: their values at the points of their group, or anywhere.
+class StateColumns {
+public:
+  StateColumns(const Problem& problem, const Contact& contact, const Vector& states,
+               const FormTerm& term, std::size_t points)
+      : contact_(contact), states_(states), points_(points),
+        uniform_(reads_uniform_states_only(problem, term)) {
+    for (const auto& entry : term.entries)
+      for (const Slot s : entry.coefficient.slots())
+        if (slot::is_state(s) && is_time(problem, problem.states[index_of(s)])) time_ = value(s);
+  }
+
+  Pointwise::Columns columns() {
+    return [this](Slot s) -> const double* {
+      if (!slot::is_state(s)) return nullptr;
+      return uniform_ ? everywhere_.try_emplace(s, points_, *value(s)).first->second.data()
+                      : value(s);
+    };
+  }
+  const double* time() const { return time_; } ///< null: it is none of them
+
+private:
+  static std::size_t index_of(Slot s) { return static_cast<std::size_t>(s - slot::first_state); }
+  const double* value(Slot s) const { return states_.data() + contact_.first_state[index_of(s)]; }
+
+  const Contact& contact_;
+  const Vector& states_;
+  std::size_t points_;
+  bool uniform_;
+  const double* time_ = nullptr;
+  std::map<Slot, std::vector<double>> everywhere_;
+};
+
 void assemble(const Problem& problem, const Contact& contact, const Vector& states,
               const FormTerm& term, const DofSelection& dofs, PointForm& form, SparseMatrix& into) {
-  const bool uniform = reads_uniform_states_only(problem, term);
-  std::map<Slot, std::vector<double>> everywhere;
-  const auto column = [&](Slot s) -> const double* {
-    if (!slot::is_state(s)) return nullptr;
-    const auto index = static_cast<std::size_t>(s - slot::first_state);
-    const double* const own = states.data() + contact.first_state[index];
-    return uniform ? everywhere.try_emplace(s, form.points(), *own).first->second.data() : own;
-  };
-  form.assemble(dofs, column, into);
+  StateColumns read(problem, contact, states, term, form.points());
+  form.assemble(dofs, read.columns(), into, read.time());
 }
 
 } // namespace
@@ -159,6 +192,30 @@ void ChangingForms::take(const Contact& contact, const StateLayout& layout, Oper
   for (auto& [base, term, form] : forms_)
     assemble(*problem_, contact, contact.state_values, *term, dofs, form,
              operators.bases[static_cast<std::size_t>(base)]);
+}
+
+TimedForms::TimedForms(const Problem& problem, const Discretisation& d, const Contact& contact)
+    : problem_(problem), contact_(contact) {
+  for (const FormTerm& form : problem.forms)
+    if (reads_states(form) && reads_uniform_states_only(problem, form))
+      forms_.emplace_back(&form, point_form(problem, d, contact, form));
+}
+
+void TimedForms::check(double t) {
+  Vector states = contact_.state_values;
+  const double passed = t - problem_.time.grid.front();
+  for (const StateGroup& group : contact_.state_groups)
+    for (const int i : group.states) {
+      const StateTerm& state = problem_.states[static_cast<std::size_t>(i)];
+      if (!is_uniform(state)) continue;
+      states.segment(contact_.first_state[static_cast<std::size_t>(i)], group.n_points)
+          .setConstant(std::clamp(state.initial.value() + state.rate.value() * passed, state.low,
+                                  state.high));
+    }
+  for (auto& [term, form] : forms_) {
+    StateColumns read(problem_, contact_, states, *term, form.points());
+    form.evaluate(read.columns(), read.time());
+  }
 }
 
 SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& d, int field,

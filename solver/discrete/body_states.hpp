@@ -58,6 +58,21 @@ private:
   std::vector<Changing> forms_;
 };
 
+/// The forms that change with time alone: whether their coefficients are numbers at a later time.
+class TimedForms {
+public:
+  /// Keeps references to the problem and the laws.
+  TimedForms(const Problem& problem, const Discretisation& d, const Contact& contact);
+  bool none() const { return forms_.empty(); }
+  /// Throws as the step of a run to time t would.
+  void check(double t);
+
+private:
+  const Problem& problem_;
+  const Contact& contact_;
+  std::vector<std::pair<const FormTerm*, PointForm>> forms_;
+};
+
 /// matrix_of_field (operators.hpp) with the states at hand.
 SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& d, int field,
                              const Contact& contact, const Vector& states);

@@ -203,6 +203,27 @@ void place_states(const Problem& problem, Contact& contact, ContactTerm& term) {
 
 } // namespace
 
+bool is_of_place_and_time(const StateTerm& state) {
+  return std::ranges::none_of(state.rate.slots(), [](Slot s) {
+    return slot::is_state(s) || slot::is_field(s) || slot::is_multiplier(s);
+  });
+}
+
+void check_given_rates(const Problem& problem, const Contact& contact, double t) {
+  for (const StateGroup& group : contact.state_groups)
+    for (const int i : group.states) {
+      const StateTerm& state = problem.states[static_cast<std::size_t>(i)];
+      if (state.rate.is_constant() || !is_of_place_and_time(state)) continue;
+      const LawPoints& points = points_of(contact, group);
+      std::vector<double> rates(points.x.size());
+      Pointwise({&state.rate, 1}).evaluate(as_block(points), t, state.origin, rates);
+      for (std::size_t p = 0; p < rates.size(); ++p)
+        if (!std::isfinite(rates[p]))
+          throw_not_finite(state.origin, fmt::format("the rate of the state `{}`", state.name),
+                           rates[p], points.x[p], points.dim, &t);
+    }
+}
+
 std::vector<LawTime> initial_law_times(const Problem& problem, const Law& law,
                                        const LawPoints& points, double t,
                                        std::span<const Readings> first_readings) {

@@ -14,6 +14,12 @@ std::vector<LawTime> initial_law_times(const Problem& problem, const Law& law,
                                        const LawPoints& points, double t,
                                        std::span<const Readings> first_readings = {});
 
+/// Does its rate read nothing that a run finds?
+bool is_of_place_and_time(const StateTerm& state);
+/// Rates that read nothing that a run finds, and change in time: throws Failure(bad_value) as the
+/// step of a run to time t does where one is no number.
+void check_given_rates(const Problem& problem, const Contact& contact, double t);
+
 /// Sets the groups of states with their initial values and the inputs of their rates. Throws
 /// Failure(bad_value) where no law acts on the part of a state, where laws that read it or are read
 /// by its rate have other points than the first one that does, or act elsewhere.

@@ -279,7 +279,8 @@ std::string describe_slot(Slot slot) {
 
 void throw_not_finite(Origin origin, const std::string& what, double value, const Point& point,
                       int dim, const double* t) {
-  std::string message = fmt::format("{} is {} at {}", what, value, describe_point(point, dim));
+  const double shown = std::isnan(value) ? std::abs(value) : value; // its sign says nothing
+  std::string message = fmt::format("{} is {} at {}", what, shown, describe_point(point, dim));
   if (t) {
     message += fmt::format(", t = {:.6g}", *t);
   }

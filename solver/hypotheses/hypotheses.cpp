@@ -4,6 +4,8 @@
 //
 // Paper: H(A), H(B), H(E), H(q), H(J), H(M), H(f), (H0), Theorem existencetheorem, Lemma lem3.1.
 #include "solver/common/numbers.hpp"
+#include "solver/discrete/body_states.hpp"
+#include "solver/discrete/contact_states.hpp"
 #include "solver/discrete/proportional.hpp"
 #include "solver/fem/periodic.hpp"
 #include "solver/history/norm_proofs.hpp"
@@ -265,8 +267,8 @@ bool reads_state(const Expr& offset) {
 
 } // namespace
 
-/// Imposed values and offsets of laws: those of the first step are known by now. What states bring
-/// into an offset is known in a run only.
+/// Imposed values, offsets of laws, forms and rates of states that change in time: those of the
+/// first step are known by now. What states bring into them is known in a run only.
 void Judgement::judge_given() {
   const auto moves = [](const Expr& e) { return e.depends_on(slot::t); };
   const bool values = std::ranges::any_of(problem_.space.dirichlet, [&](const DirichletSpec& d) {
@@ -282,6 +284,7 @@ void Judgement::judge_given() {
   const auto& grid = problem_.time.grid;
   const std::size_t stride = std::max<std::size_t>(1, grid.size() / most_load_times);
   Vector u = Vector::Zero(d_.space.n_dofs()), moved;
+  TimedForms forms(problem_, d_, numbers_.contact());
   try {
     for (std::size_t n = 0; n < grid.size(); n += stride) {
       if (values) impose(d_.space, problem_.space, d_.dofs, grid[n], u);
@@ -289,10 +292,13 @@ void Judgement::judge_given() {
         law_offsets(term->points,
                     problem_.law_terms[static_cast<std::size_t>(term->points.law_term)], grid[n],
                     moved);
+      if (n == 0) continue; // the equations of a step are those of its end
+      if (!forms.none()) forms.check(grid[n]);
+      check_given_rates(problem_, numbers_.contact(), grid[n]);
     }
   } catch (const Failure& failure) {
-    row("given", "offsets and imposed values are finite at the grid's times", std::nullopt,
-        Answer::fails, failure.origin, failure.what());
+    row("given", "what is given in time is finite at the grid's times", std::nullopt, Answer::fails,
+        failure.origin, failure.what());
   }
 }
 

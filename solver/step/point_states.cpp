@@ -244,12 +244,17 @@ StateError PointStates::error(const StateInputs& inputs) const {
         const double left = std::abs(z[i] - std::clamp(moved, spec.low, spec.high)) /
                             steepness(std::span(by_state).subspan(i * n, n));
         residual[i] = std::isfinite(left) ? std::max(residual[i], left) : infinity;
+        if (!std::isfinite(rate[i]) && !out.no_rate) {
+          const LawPoints& points = points_of(contact_, group);
+          out.no_rate = {group.states[i], points.x[static_cast<std::size_t>(p)], points.dim,
+                         rate[i], z[i]};
+        }
       }
     }
     for (std::size_t i = 0; i < n; ++i) {
       const double worst =
           residual[i] > 0.0 ? residual[i] / size[static_cast<std::size_t>(group.states[i])] : 0.0;
-      if (worst > out.worst || out.state < 0) out = {worst, group.states[i]};
+      if (worst > out.worst || out.state < 0) out.worst = worst, out.state = group.states[i];
     }
   }
   return out;
@@ -324,7 +329,7 @@ StateError PointStates::distance(const Vector& values, const StateInputs& inputs
         most = std::max(most, std::abs(values[at]));
       }
       const double of_size = moved > 0.0 ? moved / most : 0.0;
-      if (of_size > out.worst || out.state < 0) out = {of_size, i};
+      if (of_size > out.worst || out.state < 0) out.worst = of_size, out.state = i;
     }
   return out;
 }

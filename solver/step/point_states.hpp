@@ -13,12 +13,22 @@
 #include "solver/discrete/state_rates.hpp"
 #include "solver/step/evolution.hpp"
 
+#include <optional>
+
 namespace hvi::solver {
 
 /// How well the states' equations hold.
 struct StateError {
   double worst = 0.0; ///< see PointStates::error
   int state = -1;     ///< of the plan; -1: none
+  /// Where a rate is no number.
+  struct NoRate {
+    int state = 0;
+    Point x{};
+    int dim = 3;
+    double rate = 0.0, value = 0.0; ///< of the state
+  };
+  std::optional<NoRate> no_rate{};
 };
 
 /// What the rates read, and of what size that is: an input of rounding's size, as the slip rate of

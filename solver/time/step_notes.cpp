@@ -2,6 +2,7 @@
 #include "solver/time/step_notes.hpp"
 
 #include "solver/discrete/contact_states.hpp"
+#include "solver/fem/pointwise.hpp"
 
 #include <fmt/format.h>
 
@@ -185,10 +186,32 @@ void note_precision(const Plan& plan, const RunState& run, RunResult& result) {
       {0, 0.0, fmt::format("the factor is not in single precision: {}", why), Origin{}});
 }
 
+namespace {
+
+/// A rate of place and time alone is a value of the script; another one is none where the step has
+/// led to.
+[[noreturn]] void refuse_rate(const StateError::NoRate& found, double t, const std::string& place,
+                              const Plan& plan) {
+  const StateTerm& state = plan.problem.states[static_cast<std::size_t>(found.state)];
+  const auto what = fmt::format("the rate of the state `{}`", state.name);
+  if (is_of_place_and_time(state))
+    throw_not_finite(state.origin, what, found.rate, found.x, found.dim, &t);
+  throw Failure(FailureKind::not_certified, state.origin,
+                fmt::format("no certified solution at {}: {} is {} at {}, where `{}` is {:.6g}",
+                            place, what, std::isnan(found.rate) ? "no number" : "infinite",
+                            describe_point(found.x, found.dim), state.name, found.value),
+                "let the rate be a number whatever it reads (`max(.., 0)` under a root, cases, a "
+                "range `in [a, b]` of the state), or take smaller steps");
+}
+
+} // namespace
+
 void refuse_step(const StepResult& step, int n, const RunState& run, const Plan& plan) {
   const auto& grid = run.evolution.grid();
   const auto place = grid.is_static() ? std::string("the static problem")
                                       : fmt::format("step {} (t = {:.6g})", n, grid.t(n));
+  if (step.states.no_rate)
+    refuse_rate(*step.states.no_rate, grid.is_static() ? 0.0 : grid.t(n), place, plan);
   throw Failure(
       FailureKind::not_certified, blamed(step, plan.problem, run.contact()),
       fmt::format(

@@ -67,8 +67,58 @@ def given():
         assert bool(ours) == bad, (value, offset, ours)
 
 
+MOVING = """mesh slab = rectangle(2, 1, cells = [4, 2])
+part roof = slab.top
+part ground = slab.bottom
+superpotential layer(r) = pos(r)^2
+state d on {part} with rate {rate} from d = {start}
+space V = vector P1 on slab, zero on roof
+find u in V for t in [{t0}, {t1}] by 8 steps from u = 0 using scheme = {scheme}
+such that for all v in V
+    integral(slab, ({rates})*eps(u') : eps(v)) + integral(slab, ({form})*eps(u) : eps(v)) + integral(ground, layer^0(u.nu - {wear}; v.nu))
+ >= integral(slab, dot([1, -2*t], v))
+report
+  table m = u.y at [1, 0]
+"""
+
+
+def both(**given):
+    """Rows `given` of check, and mistakes of a run."""
+    text = dict(part="slab", rate="0", start="0", t0=0, t1=1, scheme="backward_euler", rates="1", form="1", wear="0") | given
+    with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+        file.write(MOVING.format(**text)), file.flush()
+        checked = subprocess.run([sys.argv[1], "check", file.name, "--json", "-"], capture_output=True, text=True)
+        done = subprocess.run([sys.argv[1], "run", file.name, "--no-files", "--diagnostics", "json"], capture_output=True, text=True)
+    assert checked.returncode == 0, checked.stderr
+    said = [json.loads(line) for line in done.stderr.splitlines() if line.startswith("{")]
+    return [r for r in json.loads(checked.stdout)["hypotheses"] if r["name"] == "given"], [d for d in said if d["severity"] == "error"]
+
+
+def moving():
+    """The same of forms that change in time, and of rates of states that read nothing that a run finds: with the place and the time."""
+    for bad, given in ((0.75, {"form": "1 + sqrt(0.7 - t)"}), (0.75, {"rates": "sqrt(0.7 - t) + x"}), (0.625, {"form": "1 + 1/(t - 0.625)^2"}),
+                       (0.75, {"form": "sqrt(1.2 - t - x/4)"}), (2.5, {"t0": 2, "t1": 3, "form": "3 + log(2.45 - t)/10"}),
+                       (0.375, {"rates": "2 + sqrt(0.3 - t)/9", "scheme": "bdf2"}), (0.5, {"rate": "sqrt(0.4 - t)", "form": "2 - d"}),
+                       (0.5, {"rate": "1/(t - 0.5)", "form": "2 + d^2"}), (0.125, {"rate": "t*log(1.5 - x)"}),
+                       (0.875, {"part": "ground", "rate": "sqrt(0.8 - t)", "wear": "0.01*d"}),
+                       (None, {"form": "1 + sqrt(1.01 - t)", "rate": "sqrt(1 - t/2)"}), (None, {"part": "ground", "rate": "t", "wear": "0.1*d"})):
+        rows, wrong = both(**given)
+        assert [r["note"] for r in rows] == [d["message"] for d in wrong] and all(r["holds"] is False for r in rows), (given, rows, wrong)
+        assert bool(rows) == (bad is not None), (given, rows)
+        if bad is not None:
+            assert wrong[0]["code"] == "E0423" and rows[0]["note"].endswith(f", t = {bad}"), (given, wrong)
+    # What reads the solution, or states, is known in a run only: which rate, where, when.
+    for given in ({"rate": "sqrt(eps(u).yy - 1)", "form": "1 + d"}, {"rate": "-1/(d - 0.8)", "start": "1", "form": "1 + d"},
+                  {"part": "ground", "rate": "log(u.y)", "wear": "d"}, {"part": "ground", "rate": "sqrt(-1 - layer.xi)", "wear": "d"}):
+        rows, wrong = both(**given)
+        assert not rows and [d["code"] for d in wrong] == ["E0701"], (given, rows, wrong)
+        message = wrong[0]["message"]
+        assert "the rate of the state `d` is " in message and " at step 1 (t = 0.125)" in message and "), where `d` is " in message, (given, message)
+
+
 def main():
     given()
+    moving()
     rng = random.Random(4)
     for _ in range(12):
         a = rng.choice([rng.uniform(0.05, 0.45), rng.uniform(0.55, 0.95)])
