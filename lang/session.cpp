@@ -8,6 +8,7 @@
 #include "lang/stdlib.hpp"
 #include "lang/units/units.hpp"
 #include "solver/common/joined.hpp"
+#include "solver/hypotheses/load_space.hpp"
 #include "solver/hypotheses/load_time.hpp"
 #include "solver/results/field_grids.hpp"
 #include "solver/step/step.hpp"
@@ -209,7 +210,20 @@ Exit Session::discretise(const std::atomic<bool>* stop) {
       refuse(failure);
     if (!script.diagnostics.has_errors()) report_misfits(script, discretisation);
     if (!script.diagnostics.has_errors()) check_materials(script, discretisation);
+    if (!script.diagnostics.has_errors()) warn_of_poles_in_space();
   });
+}
+
+void Session::warn_of_poles_in_space() {
+  const solver::Problem& problem = script.plan->problem;
+  for (const solver::LoadTerm& load : problem.loads)
+    if (const auto pole = solver::space_pole(problem, discretisation, load))
+      script.diagnostics.add(
+          diagnose("W0108", span_of(script, load.origin),
+                   fmt::format("the load is no functional on V: {}",
+                               solver::describe_pole(*pole, discretisation.mesh.dim)))
+              .with_help("its values at the points of the mesh say nothing of what it is between "
+                         "them, and finer meshes give ever larger ones"));
 }
 
 Exit Session::take_first_step() {

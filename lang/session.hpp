@@ -110,8 +110,9 @@ public:
 
 private:
   void solve(const RunRequest& request);
-  /// Of loads within the time of the run, W0108.
+  /// Of loads within the time of the run and on their parts, W0108.
   void warn_of_poles();
+  void warn_of_poles_in_space();
 
   CompileSettings settings_;
 };

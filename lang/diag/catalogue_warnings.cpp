@@ -58,7 +58,8 @@ superpotential layer(r) with slope | r < 0.02 -> 50*r | r < 0.08 -> 100*r - 1 | 
      R"(
 Within the time of the run the load is infinite, and grows so fast that it has no integral over time: what
 the run gives depends on how near the grid's times come. With `load = average`, where the mean over a step
-is asked for, the run ends (E0423).)",
+is asked for, the run ends (E0423). Or it has poles on its part beside which its integral with v is
+infinite, as 1/(x - 1) has: what the run gives depends on how near the points of the mesh come.)",
      R"(
 find u in V for t in [0, 1] by 5 steps from u = 0 such that ... = integral(body, 1/(t - 0.5)*v))",
      R"(

@@ -10,6 +10,7 @@
 #include "solver/fem/periodic.hpp"
 #include "solver/history/norm_proofs.hpp"
 #include "solver/hypotheses/judgement.hpp"
+#include "solver/hypotheses/load_space.hpp"
 #include "solver/hypotheses/load_time.hpp"
 #include "solver/plan/couplings.hpp"
 
@@ -242,7 +243,7 @@ void Judgement::judge_modulus(int m) {
 }
 
 void Judgement::judge_loads() {
-  if (judge_load_times()) return;
+  if (judge_load_places() || judge_load_times()) return;
   Vector f = Vector::Zero(d_.space.n_dofs());
   const LoadAssembler loads(d_.space, d_.parts, problem_.loads);
   const Origin origin =
@@ -300,6 +301,17 @@ void Judgement::judge_given() {
     row("given", "what is given in time is finite at the grid's times", std::nullopt, Answer::fails,
         failure.origin, failure.what());
   }
+}
+
+bool Judgement::judge_load_places() {
+  for (const LoadTerm& load : problem_.loads) {
+    const auto pole = space_pole(problem_, d_, load);
+    if (!pole) continue;
+    row("H(f)", "f is a functional on V", std::nullopt, Answer::fails, load.origin,
+        describe_pole(*pole, d_.mesh.dim));
+    return true;
+  }
+  return false;
 }
 
 bool Judgement::judge_load_times() {

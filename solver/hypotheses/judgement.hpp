@@ -54,6 +54,8 @@ private:
   double memory_against_elasticity(int m) const;
   void judge_loads();
   void judge_given();
+  /// Whether a load was found that is no functional on V.
+  bool judge_load_places();
   /// Whether a load was found that is not bounded in time: then it must be square integrable.
   bool judge_load_times();
   Origin form_origin(int field) const;

@@ -13,11 +13,11 @@
 namespace hvi::solver {
 namespace {
 
-/// f as a function of t alone.
-Expr at_a_point(const Expr& f, double others) {
+/// f as a function of t alone, at one of two places that have nothing in common.
+Expr at_a_place(const Expr& f, int which) {
   std::vector<std::pair<Slot, Expr>> values;
   for (const Slot s : f.slots())
-    if (s != slot::t) values.emplace_back(s, Expr(others));
+    if (s != slot::t) values.emplace_back(s, Expr(which == 0 ? 0.37 + 0.11 * s : 0.71 - 0.07 * s));
   return substitute(f, values);
 }
 
@@ -32,7 +32,7 @@ void add_zero(const Expr& e, std::vector<double>& places) {
   const auto affine = affine_in(e, slot::t);
   if (!affine || !affine->first.is_constant() || !affine->second.is_constant()) return;
   if (affine->second.value() != 0.0)
-    places.push_back(-affine->first.value() / affine->second.value());
+    places.push_back(0.0 - affine->first.value() / affine->second.value()); // not -0
 }
 
 void collect(const Expr& e, std::vector<double>& places) {
@@ -44,33 +44,43 @@ void collect(const Expr& e, std::vector<double>& places) {
   for (const Expr& a : args) collect(a, places);
 }
 
-/// -d log|f| / d log d as d -> 0, f at `at` + side d. The place is put into the expression, so that
-/// distances far below its rounding count.
+/// Of f at `at` + side d. The place is put into the expression, so that distances far below its
+/// rounding count.
 double exponent_beside(const Expr& f, double at, double side) {
   const std::array<std::pair<Slot, Expr>, 1> change{
       {{slot::t, Expr(at) + Expr(side) * Expr::variable(slot::t)}}};
-  const Expr moved = expand(substitute(f, change));
+  return exponent_of_growth(substitute(f, change));
+}
+
+} // namespace
+
+double exponent_of_growth(const Expr& f) {
+  const Expr moved = expand(f);
   const auto size = [&](double d) { return std::abs(evaluate(moved, [&](Slot) { return d; })); };
   double exponent = 0.0;
   // Where the place is no number of the machine, distances below its rounding say nothing.
   for (const auto& [near, far] : {std::pair{1e-60, 1e-40}, std::pair{1e-9, 1e-7}}) {
     const double a = size(near), b = size(far);
     if (std::isnan(a) || std::isnan(b) || b == 0.0) continue;
-    if (!std::isfinite(b)) return infinity;
-    if (!std::isfinite(a)) continue;
+    const bool far_enough = far > 1e-10; // nearer, rounding may have reached the pole itself
+    if (!std::isfinite(b) && far_enough) return infinity;
+    if (!std::isfinite(a) || !std::isfinite(b)) continue;
     const double slope = std::log(a / b) / std::log(far / near);
     exponent = std::max(exponent, slope > 0.02 ? slope : 0.0);
   }
   return exponent;
 }
 
-} // namespace
-
-std::optional<TimeSingularity> time_singularity(const Expr& f, double t0, double t1,
-                                                double others) {
-  const Expr line = at_a_point(f, others);
-  std::vector<double> places;
+std::optional<TimeSingularity> time_singularity(const Expr& f, double t0, double t1) {
+  const Expr line = at_a_place(f, 0);
+  std::vector<double> places, elsewhere;
   collect(line, places);
+  collect(at_a_place(f, 1), elsewhere);
+  std::erase_if(places, [&](double at) {
+    const double slack = 1e-12 * (std::abs(t0) + std::abs(t1));
+    return std::ranges::none_of(elsewhere,
+                                [&](double other) { return std::abs(other - at) <= slack; });
+  });
   std::optional<TimeSingularity> worst;
   for (const double at : places) {
     const double slack = 1e-12 * (std::abs(t0) + std::abs(t1));

@@ -14,10 +14,12 @@ struct TimeSingularity {
   bool square_integrable() const { return exponent < 0.5; }
 };
 
-/// The worst place in [t0, t1] where the expression is not bounded; nothing where none is found.
-/// Found are zeros of bases of powers, of denominators, and of arguments of logarithms that are
-/// affine in t. Other slots are taken at `others`.
-std::optional<TimeSingularity> time_singularity(const Expr& f, double t0, double t1,
-                                                double others = 0.37);
+/// The worst time in [t0, t1] at which the expression is not bounded, wherever it is asked; nothing
+/// where none is found. Found are zeros of bases of powers, of denominators, and of arguments of
+/// logarithms that are affine in t. A pole that moves is one of space (load_space.hpp).
+std::optional<TimeSingularity> time_singularity(const Expr& f, double t0, double t1);
+
+/// -d log|f| / d log d as d -> 0, the one variable of f; at least 0.
+double exponent_of_growth(const Expr& f);
 
 } // namespace hvi::solver

@@ -116,9 +116,87 @@ def moving():
         assert "the rate of the state `d` is " in message and " at step 1 (t = 0.125)" in message and "), where `d` is " in message, (given, message)
 
 
+PLACES = """{mesh}
+space V = scalar P1 on body{zero}
+find u in V for t in [0, 1] by 4 steps from u = 0
+such that for all v in V
+    integral(body, dot(grad(u'), grad(v))) + integral(body, dot(grad(u), grad(v))) + integral(body, u*v)
+  = integral({part}, {load})
+report
+  table m = integral(body, u)
+"""
+MESHES = {1: "mesh body = interval(1, cells = 7)\npart left = body.left\npart right = body.right",
+          2: "mesh body = rectangle(2, 1, cells = [8, 4])\npart left = body.left\npart low = body.bottom",
+          3: "mesh body = box(1, 1, 1, cells = [3, 2, 2])\npart left = body.left\npart low = body.bottom",
+          "ring": "mesh body = rectangle(2, 1, cells = [8, 4], axisymmetric = true)\npart low = body.bottom"}
+
+
+def functional(load, dim=2, part="body", zero=""):
+    """The exponent of the poles of a load, as `check` gives it in the row H(f); None where it holds. The warning says the same."""
+    with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+        file.write(PLACES.format(mesh=MESHES[dim], load=load if "grad" in load else f"({load})*v", part=part, zero=zero)), file.flush()
+        done = subprocess.run([sys.argv[1], "check", file.name, "--json", "-", "--diagnostics", "json"], capture_output=True, text=True)
+    assert done.returncode == 0, (load, done.stderr)
+    found = [r for r in json.loads(done.stdout)["hypotheses"] if r["name"] == "H(f)"]
+    said = [d["message"] for d in (json.loads(line) for line in done.stderr.splitlines() if line.startswith("{")) if d["code"] == "W0108"]
+    assert len(found) == 1, found
+    if found[0]["holds"]:
+        assert not said, (load, said)
+        return None
+    assert found[0]["bound"] == "f is a functional on V" and said == [f"the load is no functional on V: {found[0]['note']}"], (load, found, said)
+    return float(found[0]["note"].split("d^-")[1].split()[0])
+
+
+def places():
+    """Analytic: d^-a on a set of codimension c is integrable where a < c; before a derivative of v it has to be square integrable, a < c/2;
+    where v is 0 on a surface of poles, |v| <= d^(1/2) ||v|| makes it a < 3/2."""
+    rng = random.Random(9)
+    for _ in range(8):
+        x, y, z = (round(rng.uniform(0.1, 0.9), 3) for _ in range(3))
+        for a in (0.7, 1.0, 1.3, 1.8, 2.0, 2.4, 2.8, 3.1):
+            over = lambda c: a if a >= c else None
+            assert functional(f"2 + abs(x - {x})^(-{a})*cos(y)") == over(1), (x, a)
+            assert functional(f"abs(x + {y}*y - {x + y})^(-{a})") == over(1), (x, y, a)
+            assert functional(f"((x - {x})^2 + 3*(y - {y})^2)^(-{a}/2)") == over(2), (x, y, a)
+            assert functional(f"norm([x - {x}, y - {y}])^(-{a})") == over(2)
+            assert functional(f"abs((x - {x})^2 + (y - 0.5)^2 - 0.01)^(-{a})") == over(1)  # a circle
+            assert functional(f"abs(x - {x})^(-{a})", 1) == over(1)
+        for a in (0.9, 1.2, 1.9, 2.2, 2.9, 3.0):
+            over = lambda c: a if a >= c else None
+            assert functional(f"((x - {x})^2 + (y - {y})^2 + (z - {z})^2)^(-{a}/2)", 3) == over(3)
+            assert functional(f"((x - {x})^2 + (z - {z})^2)^(-{a}/2)", 3) == over(2)
+            assert functional(f"abs(x + y + z - {x + y + z})^(-{a})", 3) == over(1)
+            assert functional(f"((x - {x})^2 + (z - {z})^2)^(-{a}/2)", 3, "low") == over(2)
+            assert functional(f"abs(x - {x})^(-{a})", 2, "low") == over(1)
+            assert functional(f"((x - {x})^2 + y^2)^(-{a}/2)", 2, "low") == over(1)
+    for a in (0.3, 0.6, 0.9, 1.1):
+        assert functional(f"dot([abs(x - 0.77)^(-{a}), 0], grad(v))") == (a if a >= 0.5 else None)
+        assert functional(f"dot([0, ((x - 0.77)^2 + (y - 0.4)^2)^(-{a}/2)], grad(v))") == (a if a >= 1 else None)
+    for a in (0.9, 1.0, 1.4, 1.6):
+        for load in (f"x^(-{a})", f"x^(-{a})*(1 + t)"):
+            assert functional(load) == (a if a >= 1 else None) and functional(load, 1) == (a if a >= 1 else None)
+            assert functional(load, zero=", zero on left") == (a if a >= 1.5 else None), a
+            assert functional(load, 1, zero=", zero on left") == (a if a >= 1.5 else None), a
+        # a body of revolution has the weight x
+        assert functional(f"x^(-{a} - 1)", "ring") == (a if a >= 1 else None) or a < 1
+        assert functional(f"x^(-{a})", "ring") is None
+    # poles that move are poles wherever they are at a time of the grid, and none of time
+    for a in (0.3, 0.7, 0.95, 1.0, 2.5):
+        assert functional(f"abs(x - t)^(-{a})") == (a if a >= 1 else None), a
+        assert functional(f"abs(x - 1.5 - t)^(-{a})*(1 - t)", 1) is None
+        assert functional(f"((x - t)^2 + (y - t/2)^2)^(-{a}/2)") == (a if a >= 2 else None), a
+    # none at all
+    for load in ("(x - 1)^3/(x - 1)^2", "sin(x - 1)/(x - 1)", "exp(-1/(x - 1)^2)", "log(abs(x - 1))", "1/(x - 2.1)", "1/(1 + (x - 1)^2 + y^2)",
+                 "1/((x - 3)^2 + y^2)", "1/(0.01 + x)", "1/sqrt(x^2 + y^2)", "(| x > 0.5 -> 1/x | otherwise -> 0)", "1/(x*y + 1)"):
+        assert functional(load) is None, load
+    for load in ("1/(x - 1)", "(| x > 1 -> 1/(x - 1) | otherwise -> 0)", "1/sin(3*x)", "x/(x^2 - 1)", "1/(x*y)", "t/(x - 1)", "(1 - t)/(x - 1)", "1/(exp(x) - exp(1))"):
+        assert functional(load) == 1, load
+
+
 def main():
     given()
     moving()
+    places()
     rng = random.Random(4)
     for _ in range(12):
         a = rng.choice([rng.uniform(0.05, 0.45), rng.uniform(0.55, 0.95)])
