@@ -192,7 +192,9 @@ private:
   Tail scaled_error(const Expr& e) const {
     const Tail& z = arg(e, 1);
     const Expr& order = e.args()[0];
-    if (!order.is_constant() || !z.grows() || !(z.coefficient.low > 0.0)) return by_ranges(e);
+    if (!order.is_constant() || !z.grows()) return by_ranges(e);
+    if (range_of(z, ray_).high <= -1.0) return scaled_error_left(z, order.value());
+    if (!(z.coefficient.low > 0.0)) return by_ranges(e);
     const double n = order.value(), first = range_of(z, ray_).low;
     const Bounds start = multiply(rules::power(point(first), point(n + 1.0)),
                                   extension(e, std::array{point(n), point(first)}));
@@ -200,6 +202,14 @@ private:
     if (!std::isfinite(start.low) || !(start.low <= limit)) return by_ranges(e);
     return product({{start.low, limit, z.coefficient.known, z.coefficient.defined}},
                    raised(z, -(n + 1.0)));
+  }
+
+  /// w_n(-y) = exp(y^2) 2 / (sqrt(pi) n!) int_0^oo s^n exp(-(s - y)^2) ds >= exp(y^2) y^n / n!, by
+  /// what is beyond s = y.
+  Tail scaled_error_left(const Tail& z, double n) const {
+    const Tail grows = exponential_of(raised(z, 2.0));
+    const double low = (1.0 - 1e-12) / std::tgamma(n + 1.0);
+    return product({{low, infinity, z.coefficient.known, z.coefficient.defined}}, grows);
   }
 
   Tail compared(const Expr& e) const {

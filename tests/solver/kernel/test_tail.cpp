@@ -63,6 +63,11 @@ TEST(Tail, OfErrorFunctions) {
     for (const double r : {6.0, 7.0, 50.0, 1e6})
       EXPECT_TRUE(holds(found, r, erfcx(n, 2.0 * r), limit)) << n << " " << r;
   }
+  for (const double n : {0.0, 1.0, 4.0}) { // exp(x^2) on the other side
+    const Tail grows = tail(-Expr::make(Op::erfcx, {n, x + 2.0}), -1.0, 12.0);
+    EXPECT_TRUE(grows.grows() && grows.power > 10.0 && grows.coefficient.high < 0.0) << n;
+    EXPECT_TRUE(holds(grows, 13.0, -erfcx(n, -11.0), 1.0)) << n;
+  }
   const Tail left = tail(pow(x, 3.0) * Expr::make(Op::erfc, {x}), 1.0, 12.0);
   EXPECT_LT(left.power, -10.0);
   EXPECT_TRUE(std::isfinite(left.coefficient.high));

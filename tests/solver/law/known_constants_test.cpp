@@ -55,6 +55,11 @@ TEST(KnownConstants, OfErrorFunctions) {
         known_constants(slope_law("scaled", Expr::make(Op::erfcx, {Expr(0.0), abs(z)})), {}, 0.0).m,
         steepest);
   }
+  // exp(r^2) on the left: no finite number
+  const KnownConstants left =
+      known_constants(slope_law("left", Expr::make(Op::erfcx, {Expr(0.0), arg()})), {}, 0.0);
+  EXPECT_EQ(left.m.low, inf);
+  EXPECT_EQ(left.c.low, inf);
 }
 
 TEST(KnownConstants, TellSlowGrowthFromLinear) {
