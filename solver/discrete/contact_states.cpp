@@ -203,6 +203,13 @@ void place_states(const Problem& problem, Contact& contact, ContactTerm& term) {
 
 } // namespace
 
+void check_initial_states(const Problem& problem, const Discretisation& d) {
+  for (const StateTerm& state : problem.states)
+    if (!state.initial.is_constant() &&
+        d.parts[static_cast<std::size_t>(state.part)].kind == Group::Kind::cells)
+      initial_values(problem, state, make_body_points(problem, d, state)->points);
+}
+
 bool is_of_place_and_time(const StateTerm& state) {
   return std::ranges::none_of(state.rate.slots(), [](Slot s) {
     return slot::is_state(s) || slot::is_field(s) || slot::is_multiplier(s);

@@ -14,6 +14,9 @@ std::vector<LawTime> initial_law_times(const Problem& problem, const Law& law,
                                        const LawPoints& points, double t,
                                        std::span<const Readings> first_readings = {});
 
+/// Throws Failure(bad_value) where a state inside a body begins with what is no number, or outside
+/// its range: before the forms that read it are made.
+void check_initial_states(const Problem& problem, const Discretisation& discretisation);
 /// Does its rate read nothing that a run finds?
 bool is_of_place_and_time(const StateTerm& state);
 /// Rates that read nothing that a run finds, and change in time: throws Failure(bad_value) as the

@@ -4,6 +4,7 @@
 #include "solver/assembly/assembly.hpp"
 #include "solver/common/parallel.hpp"
 #include "solver/discrete/body_states.hpp"
+#include "solver/discrete/contact_states.hpp"
 #include "solver/discrete/inertia.hpp"
 #include "solver/discrete/proportional.hpp"
 #include "solver/discrete/shared_work.hpp"
@@ -173,6 +174,7 @@ void add_changing(const Problem& problem, const Discretisation& discretisation,
                   const StateLayout& layout, int threads, Operators& operators) {
   const auto distinct = distinct_terms(problem, operators.n_fields(), reads_states);
   if (distinct.terms.empty()) return;
+  check_initial_states(problem, discretisation);
   std::vector<FormTerm> initial(distinct.terms.size());
   std::vector<const FormTerm*> terms(distinct.terms.size());
   for (std::size_t i = 0; i < terms.size(); ++i) {
