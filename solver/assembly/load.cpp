@@ -223,8 +223,9 @@ void LoadAssembler::Impl::evaluate_factors(double t) {
     if (std::isfinite(g_values[m])) {
       continue;
     }
+    const double shown = std::isnan(g_values[m]) ? std::abs(g_values[m]) : g_values[m];
     throw Failure(FailureKind::bad_value, modes[m].origin,
-                  fmt::format("the load is {} at t = {:.6g}: its factor is {}", g_values[m], t,
+                  fmt::format("the load is {} at t = {:.6g}: its factor is {}", shown, t,
                               to_string(modes[m].g)));
   }
 }

@@ -18,9 +18,9 @@ std::string place_without_value(const KernelSpec& kernel, const HistoryOptions& 
   const KernelFunction q(kernel.expression, kernel.origin);
   const double t0 = options.times.empty() ? 0.0 : options.times.front();
   for (const auto& [t, lag] : sample_points(options.horizon > 0 ? options.horizon : 1.0))
-    if (!std::isfinite(q(t0 + t, lag)))
+    if (const double value = q(t0 + t, lag); !std::isfinite(value))
       return fmt::format(": at t = {:.6g}, s = {:.6g} it is {}", t0 + t, t0 + t - lag,
-                         q(t0 + t, lag));
+                         std::isnan(value) ? std::abs(value) : value); // its sign says nothing
   return {};
 }
 

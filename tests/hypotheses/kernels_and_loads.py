@@ -205,6 +205,7 @@ def main():
         load = f"2 + abs(t - {c!r})^(-{a!r})*cos(t)"
         found = row("H(f)", load=load, t0=t0, t1=t0 + 1)
         assert found["holds"] is (a < 0.5), (load, found)
+    assert row("H(f)", load="sqrt(0.51 - t)")["note"].startswith("the load is nan at t = 0.625")  # no number has no sign
     assert row("H(f)", load="1/(t + 5)")["holds"]  # bounded on the time of the run
     assert row("H(f)", load="log(abs(t - 0.3))")["holds"]
 
