@@ -39,9 +39,10 @@ the same steps so far. Nothing was computed from it.)",
     {"E0705",
      "accuracy out of reach",
      R"(
-No setting within the limits (unknowns, steps, CPU seconds) promises the wanted accuracy, or the runs
-that were made never showed it. The table of evidence stands above the message. Ask for less, allow more
-seconds, or look at what limits the order: a corner, a load with a kink between mesh lines.)",
+No setting within the limits (unknowns, steps, CPU seconds) promises the wanted accuracy, the runs that
+were made never showed it, or the column asked for has no value in any row. The table of evidence stands
+above the message. Ask for less, allow more seconds, or look at what limits the order: a corner, a load
+with a kink between mesh lines.)",
      {},
      {}},
     {"E0706", "result is mostly rounding",

@@ -122,7 +122,7 @@ void Search::finish(AccuracyTry& now, const KeptRun& run, const KeptRun& compani
   now.cpu = run.result.timing.total;
   now.unknowns = run.result.unknowns;
   costs_[kind_of(now.setting)].push_back(run.cost);
-  now.space_distance = distance(companion, run, out_.request.probe);
+  now.space_distance = distance_between(companion, run);
   record_distance(companion, run, now.space_distance);
   add_rung(space_[element_of(now.setting)], {0.5 * now.setting.level, 2.0, now.space_distance});
   now.space_order = space_law(element_of(now.setting)).order;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace hvi::solver {
 namespace {
@@ -47,8 +48,11 @@ double v_distance(const KeptRun& coarse, const KeptRun& fine) {
 double probe_distance(const KeptRun& coarse, const KeptRun& fine, const std::string& probe) {
   const auto a = coarse.result.columns.find(probe), b = fine.result.columns.find(probe);
   double largest = 0.0, size = 0.0;
+  bool seen = false;
   const auto compare = [&](double x, double y) {
+    if (std::isnan(x) || std::isnan(y)) return; // what a row has no value for
     largest = std::max(largest, std::abs(x - y)), size = std::max(size, std::abs(y));
+    seen = true;
   };
   if (a != coarse.result.columns.end() && b != fine.result.columns.end()) {
     const auto &s = coarse.result.times, &t = fine.result.times;
@@ -61,6 +65,7 @@ double probe_distance(const KeptRun& coarse, const KeptRun& fine, const std::str
     }
   }
   compare(coarse.result.final.at(probe), fine.result.final.at(probe));
+  if (!seen) return std::numeric_limits<double>::quiet_NaN();
   return size > 0.0 ? largest / size : largest;
 }
 

@@ -31,6 +31,8 @@ private:
   // ---- ladders (search_ladders.cpp)
   const KeptRun& cheap(const Setting& setting, const std::string& purpose);
   void record_distance(const KeptRun& run, const KeptRun& against, double d);
+  /// Of what is asked for; gives up where that has no values.
+  double distance_between(const KeptRun& coarse, const KeptRun& fine);
   double compared(const KeptRun& coarse, const KeptRun& fine);
   int climb(std::vector<Rung>& rungs, int first, int wanted, const std::string& purpose,
             const std::function<Setting(int)>& at);

@@ -43,8 +43,14 @@ void Search::record_distance(const KeptRun& run, const KeptRun& against, double 
       r.distance = d, r.against = to_string(against.setting, against.plan.problem);
 }
 
-double Search::compared(const KeptRun& coarse, const KeptRun& fine) {
+double Search::distance_between(const KeptRun& coarse, const KeptRun& fine) {
   const double d = distance(coarse, fine, out_.request.probe);
+  if (std::isnan(d)) give_up("it has no value in any row that two runs share");
+  return d;
+}
+
+double Search::compared(const KeptRun& coarse, const KeptRun& fine) {
+  const double d = distance_between(coarse, fine);
   record_distance(coarse, fine, d);
   return d;
 }

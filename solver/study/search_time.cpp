@@ -174,7 +174,7 @@ std::optional<double> Search::remaining_error(const Setting& half, double seen, 
   if (d[1] <= floor_ && d[2] <= floor_)
     return std::max({seen / (std::pow(2.0, nominal) - 1.0), d[1], d[2]});
   if (d[2] > least_fall * d[1]) return std::nullopt;
-  const double far = distance(*runs[1], *runs[3], out_.request.probe);
+  const double far = distance_between(*runs[1], *runs[3]);
   const double error =
       far + finer_error(d[2], 2.0, std::clamp(order, 0.4, nominal), Distance::additive);
   // The chosen mesh may show more of the error than that of the ladders, or less, but not nothing.

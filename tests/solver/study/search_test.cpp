@@ -256,6 +256,17 @@ TEST(Search, ValuesOfProbesFallFasterThanNorms) {
 }
 
 /// A body that grows by itself: long steps have no solution. Ladders begin where runs succeed.
+TEST(Search, ColumnsWithoutValuesHaveNoAccuracy) {
+  Plan plan = rod(smooth(), 8);
+  const Expr none = sqrt(-1.0 - u_value(0) * u_value(0)); // in no row
+  plan.report.probes.push_back(at_point("none", none, {1, 0, 0}));
+  plan.report.tables[0].probes.push_back(1);
+  std::string why;
+  (void)given_up(plan, asking(2e-2, "none"), &why);
+  EXPECT_NE(why.find("no value in any row"), std::string::npos) << why;
+  EXPECT_NO_THROW((void)reached(plan, asking(2e-2, "tip"))); // it is no matter of other columns
+}
+
 TEST(Search, RungsThatFailAreLeftOut) {
   const Plan plan = rod(smooth(), 4, 0.2, -1.0);
   const AccuracyRequest request = asking(5e-2);
