@@ -67,7 +67,8 @@ std::optional<std::vector<double>> Evaluator::constant_list(const ast::Expr& e,
       for (const Symbol& c : f->components) out.push_back(c.value());
       return out;
     }
-    if (!is_poison(v)) mistakes_.error("E0306", e.span, fmt::format("{} is a list `[...]`", what));
+    if (!is_poison(v))
+      mistakes_.error("E0306", e.span, fmt::format("expected a list `[...]` for {}", what));
     return std::nullopt;
   }
   std::vector<double> out;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 
 namespace hvi::lang {
@@ -80,11 +81,19 @@ bool FindStatement::check_names(const ast::Find& find) {
     mistakes_.add(diagnose("E0302", name->span, fmt::format("`{}` is declared twice", name->text))
                       .with_secondary(names_[index].span, "first declared here"));
   }
-  for (const ast::Unknown& u : find.unknowns)
-    if (u.test_space.text != u.space.text)
-      mistakes_.error("E0312", u.test_space.span,
-                      fmt::format("the test functions run through `{}`, the space of the unknown",
-                                  u.space.text));
+  for (const ast::Unknown& u : find.unknowns) {
+    if (u.test_space.text == u.space.text) continue;
+    // In another order: what each form then says of whom is no second mistake.
+    const bool of_another = std::ranges::any_of(find.unknowns, [&](const ast::Unknown& other) {
+      return other.space.text == u.test_space.text;
+    });
+    mistakes_.error("E0312", u.test_space.span,
+                    fmt::format("the test functions run through `{}`, the space of the unknown{}",
+                                u.space.text,
+                                of_another ? fmt::format(" `{}`", u.unknown.text) : ""),
+                    of_another ? "each unknown has its own, in the same order" : "");
+    good = good && !of_another;
+  }
   return good;
 }
 

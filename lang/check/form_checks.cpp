@@ -43,18 +43,27 @@ bool has_initial_state(const ast::Find& find, const std::string& unknown) {
   });
 }
 
+/// What is mostly left out.
+std::string form_for(const ast::Unknown& u, bool vector) {
+  const std::string &of = u.unknown.text, &test = u.test.text;
+  return vector
+             ? fmt::format("add the elasticity: `integral(body, B : eps({}) : eps({}))`", of, test)
+             : fmt::format("add a form: `integral(body, dot(grad({}), grad({})))`", of, test);
+}
+
 } // namespace
 
 void FormChecks::check_clauses(const ast::Find& find) {
   Occurrences found;
   for (const ModelTerm& term : model_.terms) found.add(term);
+  const auto all = unknowns_of(model_.space);
   for (std::size_t b = 0; b < find.unknowns.size(); ++b) {
     const std::string& u = find.unknowns[b].unknown.text;
     const Span& place = find.unknowns.size() == 1 ? find.left.span : find.unknowns[b].unknown.span;
     if (!found.acts[b])
       mistakes_.error("E0425", place,
                       fmt::format("no form acts on the unknown `{}`: nothing determines it", u),
-                      "add the elasticity: `integral(body, B : eps(u) : eps(v))`");
+                      form_for(find.unknowns[b], all[b].vector));
     else if (!found.tested[b])
       mistakes_.error(
           "E0425", place,

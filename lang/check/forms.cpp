@@ -58,9 +58,11 @@ void Forms::form_term(const ast::FormTerm& term, bool right, bool source) {
                       did_you_mean(option.name.text, std::vector<std::string>{"rule"}));
       continue;
     }
+    if (out.rule_given)
+      mistakes_.error("E0305", option.span, "argument `rule` of `integral` is given twice");
+    out.rule_given = true;
     auto w = evaluator_.word(option.value, "rule", {"exact", "nodal", "midpoint", "gauss"});
     if (!w) continue;
-    out.rule_given = true;
     out.rule = *w == "nodal"      ? Rule::nodal
                : *w == "midpoint" ? Rule::midpoint
                : *w == "gauss"    ? Rule::gauss

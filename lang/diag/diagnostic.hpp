@@ -59,6 +59,8 @@ public:
   [[nodiscard]] bool has_errors() const { return n_errors_ > 0; }
   /// Whether an error was reported within this span.
   [[nodiscard]] bool has_error_in(const Span& span) const;
+  /// Whether an error was reported of exactly this span.
+  [[nodiscard]] bool has_error_at(const Span& span) const;
   [[nodiscard]] std::size_t n_errors() const { return n_errors_; }
   [[nodiscard]] std::size_t size() const { return items_.size(); }
   /// In the order they were reported.

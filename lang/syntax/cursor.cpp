@@ -59,6 +59,12 @@ Token Cursor::expect(TokenKind kind, std::string_view what) {
   const std::string sign = "`" + std::string(info(kind).spelling) + "`";
   if (what.empty()) what = sign;
   if (kind == TokenKind::equal && peek().first_on_line) fail_at_line_end(what);
+  if (kind == TokenKind::equal && at(TokenKind::equal_equal)) {
+    report(diagnose("E0201", peek().span, "expected `=`, found `==`")
+               .with_label("write `=`")
+               .with_help("`==` compares two values, in a condition"));
+    return take(); // all else may be right
+  }
   fail_expected(what);
 }
 

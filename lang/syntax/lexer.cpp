@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <set>
 #include <string>
+#include <utility>
 
 namespace hvi::lang {
 namespace {
@@ -77,6 +78,7 @@ private:
   void check_number(std::size_t begin);
   void string();
   void sign();
+  void report_control(const Span& place, char c);
   void unknown_ascii();
   void unknown_character();
   void typographic(const Foreign& foreign, std::uint32_t length);
@@ -87,6 +89,7 @@ private:
   std::string_view text_;
   std::size_t at_ = 0;
   bool first_on_line_ = true;
+  bool lone_return_ = false; ///< reported
   std::size_t n_errors_ = 0, open_braces_ = 0;
   std::set<std::string_view> reported_words_;
   TokenStream result_;
@@ -130,6 +133,10 @@ void Lexer::comment() {
   std::size_t end = at_;
   while (end > begin && is_blank(text_[end - 1])) --end;
   result_.comments.push_back(span(begin, end));
+  // What stands behind it on the next line, as other systems count, would be left out.
+  const std::size_t lone = text_.substr(0, end).find('\r', begin);
+  if (lone != std::string_view::npos && !std::exchange(lone_return_, true))
+    report_control(span(lone, lone + 1), '\r');
 }
 
 // Skipped like a comment, which it is in another language.
@@ -275,15 +282,21 @@ void Lexer::sign() {
   unknown_ascii();
 }
 
+void Lexer::report_control(const Span& place, char c) {
+  std::array<char, 8> hex{};
+  std::snprintf(hex.data(), hex.size(), "0x%02X", static_cast<unsigned>(c));
+  auto error = diagnose("E0107", place,
+                        "a control character (" + std::string(hex.data()) + ") in the script");
+  if (c == '\r') error.help = "lines end with a line feed: save the script with such line ends";
+  report(std::move(error));
+}
+
 void Lexer::unknown_ascii() {
   const std::size_t begin = at_;
   const char c = text_[at_++];
   if (c < 0x20 || c == 0x7F) {
-    std::array<char, 8> hex{};
-    std::snprintf(hex.data(), hex.size(), "0x%02X", static_cast<unsigned>(c));
     while (at_ < text_.size() && peek() == c) ++at_;
-    report(diagnose("E0107", span_from(begin),
-                    "a control character (" + std::string(hex.data()) + ") in the script"));
+    report_control(span_from(begin), c);
     return damage();
   }
   const std::string sign(1, c);
@@ -323,9 +336,11 @@ void Lexer::unknown_character() {
   if (const Foreign* foreign = find_foreign(character.code))
     return typographic(*foreign, character.length);
   at_ += character.length;
-  report(
-      diagnose("E0101", span_from(begin),
-               "`" + std::string(text_.substr(begin, character.length)) + "` has no meaning here"));
+  std::array<char, 16> number{}; // some cannot be seen
+  std::snprintf(number.data(), number.size(), " (U+%04X)", static_cast<unsigned>(character.code));
+  report(diagnose("E0101", span_from(begin),
+                  "`" + std::string(text_.substr(begin, character.length)) + "`" + number.data() +
+                      " has no meaning here"));
   damage();
 }
 

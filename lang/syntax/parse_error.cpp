@@ -59,6 +59,7 @@ void Cursor::report(Diagnostic diagnostic) {
       from_word ? first.span.begin : tokens_[statement_begin_ - 1].span.end + 1;
   const auto damage = std::lower_bound(damage_.begin(), damage_.end(), begin);
   if (damage != damage_.end() && *damage <= peek().span.end) return;
+  if (diagnostics_.has_error_at(diagnostic.primary)) return; // `body & wall`: said by the lexer
   ++n_errors_;
   diagnostics_.add(std::move(diagnostic));
 }

@@ -179,6 +179,11 @@ ast::InitialValue DeclarationParser::initial_value(const Span& first) {
   ast::InitialValue result;
   result.unknown = names_.name("the unknown");
   result.rate = cursor_.accept(TokenKind::prime);
+  if (result.rate && cursor_.at(TokenKind::prime))
+    cursor_.fail(diagnose("E0201", cursor_.peek().span, "expected `=`, found another `'`")
+                     .with_label("expected `=`")
+                     .with_help("values and rates are given; the acceleration at the initial time "
+                                "follows from the inequality"));
   cursor_.expect(TokenKind::equal);
   result.value = expressions_.expr();
   result.span = cursor_.span_from(first);

@@ -3,15 +3,9 @@
 #include "lang/syntax/report_parser.hpp"
 
 #include <algorithm>
-#include <array>
 #include <string_view>
 
 namespace hvi::lang {
-namespace {
-
-constexpr std::array<std::string_view, 5> item_words{"table", "fields", "picture", "line", "plot"};
-
-} // namespace
 
 // report = "report" report-item { report-item } ;
 ast::Report ReportParser::report_statement() {
@@ -41,13 +35,13 @@ void ReportParser::recover_in_report() {
 }
 
 bool ReportParser::at_report_item() const {
-  return std::ranges::any_of(item_words, [&](auto word) { return cursor_.at_word(word); });
+  return std::ranges::any_of(report_item_words, [&](auto word) { return cursor_.at_word(word); });
 }
 
 // No statement begins with a name that is none of its words: `pictur u` is an item.
 bool ReportParser::at_misspelt_item() const {
   return cursor_.at(TokenKind::name) && cursor_.peek().first_on_line &&
-         suggest(cursor_.text(cursor_.peek()), item_words).has_value();
+         suggest(cursor_.text(cursor_.peek()), report_item_words).has_value();
 }
 
 // report-item = "table" binding { "," binding } [ "every" expr "steps" ] [ "from" "start" ]

@@ -5,6 +5,8 @@
 #include "lang/syntax/lexer.hpp"
 #include "lang/syntax/parser_impl.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -14,6 +16,26 @@ namespace {
 
 /// After so many errors the rest of a file is not read: it is no script.
 constexpr int max_syntax_errors = 200;
+
+/// Where a word belongs that stands behind what it should stand before, or without its comma.
+std::string place_of_word(std::string_view word) {
+  if (word == "deformed") return "`deformed = 20` stands before `at t` and `to`";
+  if (word == "relative") return "`relative` stands behind the tolerance: `within 1e-6 relative`";
+  if (word == "zero" || word == "periodic")
+    return "what holds for a space stands behind commas: `vector P1 on body, zero on wall`";
+  return {};
+}
+
+std::string help_for_no_statement(std::string_view written) {
+  if (std::ranges::find(report_item_words, written) != report_item_words.end())
+    return fmt::format("`{0}` is a part of the report: `report {0} ...`", written);
+  std::string help = did_you_mean(written, statement_words());
+  if (!help.empty()) return help;
+  help = "statements begin with";
+  for (const std::string_view word : statement_words())
+    help.append(word == "import" ? " `" : ", `").append(word).append("`");
+  return help;
+}
 
 } // namespace
 
@@ -111,10 +133,32 @@ void Parser::end_of_statement() {
         diagnose("E0201", cursor_.peek().span, "expected the end of the statement, found `=`"));
   cursor_.fail_on_known_slip();
   const TokenKind next = cursor_.peek().kind;
+  if (const std::string help = place_of_word(cursor_.text(cursor_.peek())); !help.empty())
+    cursor_.fail(diagnose("E0201", cursor_.peek().span,
+                          "expected the end of the statement, " + cursor_.found(cursor_.peek()))
+                     .with_label("expected the end of the statement")
+                     .with_help(help));
   if ((next == TokenKind::name && !cursor_.at_clause_word()) || next == TokenKind::number ||
       next == TokenKind::open_paren)
     cursor_.fail_operator_missing("the end of the statement");
   cursor_.fail_expected("the end of the statement");
+}
+
+// Words that begin a statement only before what follows them there: that is missing.
+void Parser::fail_late_word(std::string_view written) {
+  if (written == info(TokenKind::units).spelling) {
+    cursor_.take();
+    if (!cursor_.at(TokenKind::name) || cursor_.peek().first_on_line)
+      cursor_.fail_expected("units, as in `units mm, N, s`");
+    cursor_.take();
+    cursor_.fail_expected("`,` and another unit");
+  }
+  if (written == info(TokenKind::state).spelling) {
+    cursor_.take();
+    if (!cursor_.at(TokenKind::name)) cursor_.fail_expected("the name of the state");
+    cursor_.take();
+    cursor_.fail_expected("`on` and the part where the state lives");
+  }
 }
 
 void Parser::fail_no_statement() {
@@ -131,15 +175,10 @@ void Parser::fail_no_statement() {
   // Its name is not unknown to the lines below, whatever the statement was meant to be.
   if (cursor_.peek(1).kind == TokenKind::name)
     names_.note_declared({std::string(cursor_.text(cursor_.peek(1))), cursor_.peek(1).span});
-  std::string help = did_you_mean(cursor_.text(token), statement_words());
-  if (help.empty()) {
-    help = "statements begin with";
-    for (const std::string_view word : statement_words())
-      help.append(word == "import" ? " `" : ", `").append(word).append("`");
-  }
+  fail_late_word(written);
   cursor_.report(diagnose("E0202", token.span, "expected a statement, " + cursor_.found(token))
                      .with_label("no statement begins like this")
-                     .with_help(std::move(help)));
+                     .with_help(help_for_no_statement(written)));
   // `from friction import tresca`: what follows on the line belongs to it.
   if (imports_something) {
     do cursor_.take();

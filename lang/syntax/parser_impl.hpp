@@ -9,6 +9,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace hvi::lang {
@@ -23,6 +24,7 @@ public:
 private:
   std::optional<ast::Statement> statement();
   void end_of_statement();
+  void fail_late_word(std::string_view written);
   [[noreturn]] void fail_no_statement();
 
   const SourceFile& source_;

@@ -6,9 +6,14 @@
 #include "lang/syntax/expression_parser.hpp"
 #include "lang/syntax/name_parser.hpp"
 
+#include <array>
 #include <optional>
+#include <string_view>
 
 namespace hvi::lang {
+
+inline constexpr std::array<std::string_view, 5> report_item_words{"table", "fields", "picture",
+                                                                   "line", "plot"};
 
 class ReportParser {
 public:

@@ -3,6 +3,7 @@
 #include "lang/diag/diagnostic.hpp"
 #include "lang/diag/failures.hpp"
 #include "lang/diag/suggest.hpp"
+#include "lang/diag/utf8.hpp"
 #include "lang/diag/words.hpp"
 
 #include <gtest/gtest.h>
@@ -34,6 +35,22 @@ TEST(Diagnostics, TellsThoseWithoutAPlaceApartByText) {
   diagnostics.add("E0301", Span{}, "unknown parameter `b`");
   diagnostics.add("E0301", Span{}, "unknown parameter `b`");
   EXPECT_EQ(diagnostics.size(), 2U);
+}
+
+TEST(Diagnostics, QuoteWhatIsVeryLongByItsEnds) {
+  Diagnostics diagnostics;
+  std::string number = "1" + std::string(3'000'000, '0') + "7", accents;
+  for (int i = 0; i < 400; ++i) accents += "\u00e9";
+  diagnostics.add("E0105", {0, 1, 2}, "`" + number + "` is out of range, `" + accents + "` is not");
+  const std::string& told = diagnostics.items().front().message;
+  EXPECT_LT(told.size(), 600U);
+  EXPECT_TRUE(told.starts_with("`1000")) << told;
+  EXPECT_NE(told.find("...00000000000000000007` is out of range, `\u00e9"), std::string::npos);
+  for (std::size_t at = 0; at < told.size(); at += utf8::decode(told, at).length)
+    EXPECT_TRUE(utf8::decode(told, at).valid) << at;
+  const std::string path = "`" + std::string(400, 'a') + "` is a folder";
+  diagnostics.add("E0601", Span{}, path);
+  EXPECT_EQ(diagnostics.items().back().message, path);
 }
 
 TEST(Diagnostics, WarningsAreNotErrors) {

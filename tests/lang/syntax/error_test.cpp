@@ -20,6 +20,15 @@ void expect_errors(const std::vector<WrongScript>& scripts) {
 TEST(SyntaxErrors, Declarations) {
   expect_errors({
       {"param n 4", "E0201 1:9-10"},
+      {"param n == 4\nparam m == 5", "E0201 1:9-11; E0201 2:9-11"},
+      {"units", "E0201 1:6-6"},
+      {"units 3", "E0201 1:7-8"},
+      {"units mm N\nparam m = 5", "E0201 1:10-11"},
+      {"state beta with rate 1 from beta = 0", "E0201 1:12-16"},
+      {"state = 3", "E0201 1:7-8"},
+      {"part p = body & wall", "E0110 1:15-16"},
+      {"part p = body && wall", "E0110 1:15-17"},
+      {"space V = vector P1 on slab zero on roof", "E0201 1:29-33"},
       {"param n =\nparam m = 1", "E0201 1:10-10"},
       {"param n = 4 in 3", "E0201 1:16-17"},
       {"param = 4\nparam m = 1", "E0201 1:7-8"},
@@ -169,7 +178,7 @@ TEST(SyntaxErrors, Results) {
       {"report table a = u at 3", "E0201 1:23-24"},
       {"report\n  table a u\n  fields u\n  picture u to 3", "E0201 2:11-12; E0201 4:16-17"},
       {"expect a = 3", "E0201 1:13-13"},
-      {"expect a == 3 within 1", "E0221 1:10-12"},
+      {"expect a == 3 within 1", "E0201 1:10-12"},
       {"expect a = 3 within 1 when n", "E0201 1:29-29"},
       {"study n in [1, 2]", "E0201 1:7-8"},
       {"study vary n in [1, 2] against nothing", "E0201 1:32-39"},
@@ -225,6 +234,17 @@ TEST(SyntaxErrors, HelpNamesTheWayOut) {
   EXPECT_EQ(help(head + " integral(s.top, u*v) >= 0"),
             "name the part first, as in `part roof = body.top`");
   EXPECT_EQ(help("report\n  table u.y"), "a column has a name, as in `height = u.y`");
+  EXPECT_EQ(help("table a = u.y at [0, 0]"), "`table` is a part of the report: `report table ...`");
+  EXPECT_EQ(help("expect a == 3 within 1"), "`==` compares two values, in a condition");
+  EXPECT_EQ(help("report picture u at t = 1 deformed = 3"),
+            "`deformed = 20` stands before `at t` and `to`");
+  EXPECT_EQ(help("space V = vector P1 on slab zero on roof"),
+            "what holds for a space stands behind commas: `vector P1 on body, zero on wall`");
+  EXPECT_EQ(help("param a = 1 # b\rparam c = 2"),
+            "lines end with a line feed: save the script with such line ends");
+  EXPECT_EQ(help("find u in V for t in [0, 1] by 2 steps from u = 0, u'' = 0"),
+            "values and rates are given; the acceleration at the initial time follows from the "
+            "inequality");
 }
 
 // `inner` with n times `open` before it and n times `close` behind it.

@@ -118,6 +118,7 @@ TEST(Lexer, ReportsAndRepairs) {
       {"\"open  \r\nx", "E0106 1:1-6", "string name"},
       {"a\x01\x01 b", "E0107 1:2-4", "name name"},
       {"a\rb", "E0107 1:2-3", "name name"},
+      {"a # c\rb\rc\nd # e\rf\r\n", "E0107 1:6-7", "name name"},
       {"a \xFF\xFE b", "E0108 1:3-5", "name name"},
       {"a && b", "E0110 1:3-5", "name and name"},
       {"!a & b", "E0110 1:1-2; E0110 1:4-5", "not name and name"},
