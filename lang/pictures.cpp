@@ -23,8 +23,8 @@ constexpr int frame_milliseconds = 100; ///< of pictures that move
 
 constexpr std::size_t longest_title = 60, longest_label = 15; ///< letters of a field
 
-/// A field as the script writes it, on one line; long ones, and those with a comment, by their
-/// name.
+/// A field as the script writes it, on one line; one with a comment by its name, of a long one the
+/// beginning.
 std::string words_of(const Script& script, const solver::FieldSpec& field) {
   std::string out;
   for (const char c : script.sources.text(span_of(script, field.origin)))
@@ -32,9 +32,11 @@ std::string words_of(const Script& script, const solver::FieldSpec& field) {
       out += c;
     else if (!out.empty() && out.back() != ' ')
       out += ' ';
-  if (out.empty() || out.size() > longest_title || out.find('#') != std::string::npos)
-    return field.name;
-  return out;
+  if (out.empty() || out.find('#') != std::string::npos) out = field.name;
+  if (out.size() <= longest_title) return out;
+  std::size_t end = longest_title - 3;
+  while (end > 0 && (static_cast<unsigned char>(out[end]) & 0xC0u) == 0x80u) --end; // whole letters
+  return out.substr(0, end) + "...";
 }
 
 draw::BodyPicture picture_of(const Script& script, const solver::PictureSpec& spec,

@@ -15,6 +15,9 @@ namespace slot = solver::slot;
 
 namespace {
 
+/// Files are named by fields, and no system has names of more than 255 letters for them.
+constexpr std::size_t longest_name = 100;
+
 const char* word_of(ast::BinaryOp op) {
   switch (op) {
   case ast::BinaryOp::add:
@@ -90,7 +93,7 @@ std::string OutputFields::name_of(const ast::Expr& e, const std::vector<Symbol>&
     }
     return "field"; // cases, which have no short name
   };
-  const std::string first = name(e);
+  const std::string first = name(e).substr(0, longest_name);
   std::string out = first;
   for (int k = 2;; ++k) {
     const auto known = std::ranges::find(named_, out, [](const auto& one) { return one.first; });

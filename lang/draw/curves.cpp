@@ -15,6 +15,8 @@ constexpr Colour line_colours[] = {{0.0, 0.447, 0.698}, {0.835, 0.369, 0.0}, {0.
                                    {0.8, 0.475, 0.655}, {0.902, 0.624, 0.0}, {0.337, 0.706, 0.914},
                                    {0.0, 0.0, 0.0}};
 
+constexpr double dot_size = 6.0;
+
 struct Range {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   void include(double x) {
@@ -24,7 +26,7 @@ struct Range {
   Range wider(double part) const {
     if (!(low <= high)) return {0.0, 1.0};
     const double size = high - low;
-    const double air = size > 0.0 ? part * size : std::max(0.5 * std::abs(low), 1e-12);
+    const double air = size > 0.0 ? part * size : low == 0.0 ? 1.0 : 0.5 * std::abs(low);
     return {low - air, high + air};
   }
 };
@@ -36,6 +38,19 @@ void add_legend(Sheet& sheet, const CurvePlot& plot, Spot at) {
     sheet.words({{at[0] + 28.0, at[1] + 4.0}, plot.curves[i].name, 12.0});
     at[1] += 18.0;
   }
+}
+
+/// A line, or a dot where its points are one: that is no line.
+void add_line(Sheet& sheet, const std::vector<Spot>& line, const Colour& colour) {
+  if (line.empty()) return;
+  const auto at_first = [&](const Spot& p) {
+    return std::hypot(p[0] - line[0][0], p[1] - line[0][1]) < dot_size;
+  };
+  if (!std::ranges::all_of(line, at_first)) return sheet.line(line, colour, 2.0);
+  const double left = line[0][0] - 0.5 * dot_size, top = line[0][1] - 0.5 * dot_size;
+  const double right = left + dot_size, bottom = top + dot_size;
+  sheet.marks.emplace_back(
+      Fill{{{left, top}, {right, top}, {right, bottom}, {left, bottom}}, colour});
 }
 
 /// One plot into a box of a sheet.
@@ -59,7 +74,7 @@ void add_plot(Sheet& sheet, const CurvePlot& plot, Spot corner, double width, do
   for (std::size_t i = 0; i < plot.curves.size(); ++i) {
     std::vector<Spot> line;
     const auto draw = [&] {
-      if (!line.empty()) sheet.line(line, line_colours[i % std::size(line_colours)], 2.0);
+      add_line(sheet, line, line_colours[i % std::size(line_colours)]);
       line.clear();
     };
     for (const Spot& p : plot.curves[i].points)

@@ -508,14 +508,19 @@ def check_words(folder):
   picture u deformed = 5
   picture 2*u.x
   picture 3*u.x
-  fields mises(sigma), 2*u.x, 3*u.x"""))
+  picture LONG
+  picture LONG to "long.svg"
+  fields mises(sigma), 2*u.x, 3*u.x""").replace("LONG", " + ".join(["u.x", "u.y"] * 40)))  # no file has a name of 1000 letters
     svg = (folder / "out" / "titles.svg").read_text()
     titles = [t.replace("&apos;", "'").replace("&#39;", "'") for t in re.findall(r'font-size="15"[^>]*>([^<]*)</text>', svg)]
     assert titles == ["mises(sigma)", "u'.y", "2*u.x + u.y"], titles
     assert svg.count(">mises(sigma)<") == 2 and svg.count("2*u.x + u.y") == 2, "over the bar, too"
-    images = [f"scene_{name}.png" for name in ("mises_sigma", "max_u.x", "max_u.x_2", "u_deformed", "u_deformed_2", "2_times_u.x", "3_times_u.x")]
+    long_name = "_plus_".join(["u.x", "u.y"] * 40)[:100]
+    images = [f"scene_{name}.png" for name in (long_name, "mises_sigma", "max_u.x", "max_u.x_2", "u_deformed", "u_deformed_2", "2_times_u.x", "3_times_u.x")]
     assert sorted(p.name for p in (folder / "out").glob("scene_*.png")) == sorted(images), sorted(p.name for p in (folder / "out").glob("*.png"))
     assert len({(folder / "out" / name).read_bytes() for name in images}) == len(images)
+    long_title, = re.findall(r'font-size="15"[^>]*>([^<]*)</text>', (folder / "out" / "long.svg").read_text())
+    assert long_title == " + ".join(["u.x", "u.y"] * 40)[:57] + "...", long_title
     mesh = meshio.read(max((folder / "out").glob("scene_0*.vtu")))
     assert list(mesh.cell_data) == ["mises_sigma"] and list(mesh.point_data) == ["2_times_u.x", "3_times_u.x"], (mesh.cell_data.keys(), mesh.point_data.keys())
 

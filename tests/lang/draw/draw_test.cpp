@@ -1,6 +1,7 @@
 // Sheets, depth, colours, PNG and SVG, each against something worked out otherwise.
 #include "lang/draw/axes.hpp"
 #include "lang/draw/body.hpp"
+#include "lang/draw/curves.hpp"
 #include "lang/draw/paint.hpp"
 #include "lang/draw/png.hpp"
 #include "lang/draw/raster.hpp"
@@ -413,6 +414,33 @@ TEST(Body, ForcesMoveWithTheirPoints) {
   EXPECT_EQ(window.most, 3.0);
   EXPECT_NEAR(window.bottom, -2.0 - 0.16 * std::sqrt(2.0), 1e-12); // of the tail; the tip is at -2
   EXPECT_EQ(window.top, 1.0);
+}
+
+// A table of one row, a law at one point, two columns that do not move: no line, but to be seen.
+TEST(Curves, OfOnePointAreADot) {
+  const auto fills = [](const std::vector<Spot>& points) {
+    std::vector<Fill> out;
+    for (const Mark& mark : curves_sheet({"a", "x", "y", {{"", points}}}).marks)
+      if (const auto* fill = std::get_if<Fill>(&mark)) out.push_back(*fill);
+    return out;
+  };
+  for (const double y : {0.0, -3.0, 1e-9}) {
+    const auto dots = fills({{2.0, y}, {2.0, y}});
+    ASSERT_EQ(dots.size(), 1u) << y;
+    const auto& corner = dots[0].outline;
+    EXPECT_NEAR(0.5 * (corner[0][1] + corner[2][1]), 44.0 + 0.5 * 360.0, 1e-9); // half way up
+  }
+  EXPECT_EQ(fills({{2.0, 1.0}, {2.5, 1.0}}).size(), 0u);
+}
+
+// The numbers beside what is 0 throughout are no powers of ten far below any size.
+TEST(Curves, OfZeroHaveAPlainScale) {
+  std::vector<std::string> words;
+  for (const Mark& mark : curves_sheet({"a", "x", "y", {{"", {{0, 0}, {1, 0}}}}}).marks)
+    if (const auto* text = std::get_if<Words>(&mark)) words.push_back(text->text);
+  EXPECT_NE(std::ranges::find(words, "1"), words.end());
+  EXPECT_EQ(std::ranges::find_if(words, [](const auto& w) { return w.find('e') != w.npos; }),
+            words.end());
 }
 
 // Side by side while there is room, then below; what is on them moves with them.
