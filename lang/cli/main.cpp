@@ -4,6 +4,7 @@
 #include "lang/cli/heap.hpp"
 #include "lang/cli/no_memory.hpp"
 #include "lang/cli/say.hpp"
+#include "lang/cli/usage.hpp"
 #include "lang/diag/suggest.hpp"
 #include "solver/common/joined.hpp"
 #include "solver/common/out_of_memory.hpp"
@@ -25,7 +26,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <filesystem>
+#include <string>
 #include <system_error>
+#include <vector>
 
 namespace {
 
@@ -106,7 +110,9 @@ void no_command(std::string_view word, CLI::App& app) {
   std::vector<std::string> commands;
   for (const CLI::App* one : app.get_subcommands([](CLI::App*) { return true; }))
     commands.push_back(one->get_name());
-  const std::string meant = hvi::lang::did_you_mean(word, commands);
+  std::string meant = hvi::lang::did_you_mean(word, commands);
+  if (std::error_code none; std::filesystem::is_regular_file(std::string(word) + ".hvi", none))
+    meant = fmt::format("did you mean `{}.hvi`?", word);
   tell("hvi-run: `{}` is neither a command nor a script (FILE.hvi){}{}\n", word,
        meant.empty() ? "" : ": ", meant);
   tell("commands: {}; --help says more\n", hvi::solver::joined(commands));
@@ -237,6 +243,13 @@ int dispatch(int argc, char** argv) {
     if (app.get_subcommands().empty() && !given.starts_with("-")) {
       no_command(given, app);
       return hvi::lang::exit_usage;
+    }
+    if (error.get_exit_code() != 0) { // --help is one, too
+      const std::vector<std::string> words(argv + 1, argv + argc);
+      if (const std::string slip = hvi::lang::slip_of(app, words); !slip.empty()) {
+        tell("hvi-run: {}\n", slip);
+        return hvi::lang::exit_usage;
+      }
     }
     const int status = app.exit(error);
     return status == 0 ? hvi::lang::exit_ok : hvi::lang::exit_usage;

@@ -1,6 +1,8 @@
 """Commands typed wrong: exit code 2, and a text that says what was meant.  usage: usage.py HVI_RUN"""
+import pathlib
 import subprocess
 import sys
+import tempfile
 
 COMMANDS = "run, report, check, plan, study, stability, test, fmt, params, mesh, dump, serve-editor, new, explain"
 CASES = [
@@ -9,7 +11,17 @@ CASES = [
     (["bridge.hv"], ["`bridge.hv`", "FILE.hvi"]),
     ([], ["run", "solve", "check", "--version"]),
     (["run"], ["FILE is required"]),
-    (["check", "--bogus", "a.hvi"], ["--bogus"]),
+    (["check", "--bogus", "a.hvi"], ["`check` has no option `--bogus`; hvi-run check --help"]),
+    (["a.hvi", "--no-file"], ["`run` has no option `--no-file`: did you mean `--no-files`?"]),
+    (["a.hvi", "-n", "4"], ["`run` has no option `-n`"]),
+    (["plan", "a.hvi", "--resume=3"], ["`plan` has no option `--resume`"]),
+    (["a.hvi", "n=4"], ["`n=4` is no script", "-D name=value"]),
+    (["a.hvi", "-D", "n", "=", "4"], ["`=` is no script", "-D name=value"]),
+    (["a.hvi", "b.hvi", "--json", "c", "-Dn=3"], ["`run` takes one script, and `b.hvi` is one more word"]),
+    (["--quiet", "check", "a.hvi"], ["options stand behind the command: hvi-run check ... --quiet"]),
+    (["-v"], ["neither a command nor a script is named"]),
+    (["-D", "n=4"], ["neither a command nor a script is named"]),
+    (["usage"], ["`usage`", "FILE.hvi"]),
     (["a.hvi", "-D", "n"], ["-D takes name=value", "`n`"]),
     (["a.hvi", "-o", ""], ["-o", "an empty name"]),
     (["a.hvi", "--json", ""], ["--json", "an empty name"]),
@@ -26,7 +38,12 @@ CASES = [
 
 
 def main():
-    wrong = []
+    wrong, program = [], str(pathlib.Path(sys.argv[1]).resolve())
+    with tempfile.TemporaryDirectory() as folder:
+        (pathlib.Path(folder) / "beam.hvi").write_text("")
+        done = subprocess.run([program, "beam"], cwd=folder, capture_output=True, text=True)
+        if done.returncode != 2 or "did you mean `beam.hvi`?" not in done.stderr:
+            wrong.append(f"a script without its ending: exit code {done.returncode}\n{done.stderr}")
     for arguments, words in CASES:
         done = subprocess.run([sys.argv[1], *arguments], capture_output=True, text=True)
         missing = [word for word in words if word not in done.stderr]
