@@ -36,6 +36,11 @@ std::optional<solver::AccuracyRequest> accuracy_wanted(const Script& script,
   else if (script.model->accuracy)
     out.wanted = *script.model->accuracy,
     out.probe = request.accuracy_of.empty() ? script.model->accuracy_of : request.accuracy_of;
+  else if (!request.accuracy_of.empty())
+    throw solver::Failure(solver::FailureKind::bad_value, {},
+                          "the accuracy of `" + request.accuracy_of +
+                              "` is asked for, and none given",
+                          "say how large its relative error may be");
   else
     return std::nullopt;
   out.most_seconds = request.budget;

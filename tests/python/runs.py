@@ -210,6 +210,8 @@ report
             script.write_text((EXAMPLES / "slab.hvi").read_text() + "\nstudy vary n in [2, 4] and N in [4, 8] against finest\n")
             study = hvi.load(script).study()
             self.assertEqual((study["schema"], len(study["rows"])), ("hvi-study/1", 4))
+        with self.assertRaisesRegex(hvi.ScriptError, "no `study` statement"):
+            model.study()
 
     def test_accuracy(self):
         result = hvi.load(EXAMPLES / "slab.hvi").run(accuracy=0.05, accuracy_of="reaction")
@@ -218,6 +220,8 @@ report
         with self.assertRaises(hvi.Error) as caught:
             hvi.load(EXAMPLES / "slab.hvi").run(accuracy=1e-6, accuracy_of="reaction", budget=1e-6)
         self.assertIn("budget=SECONDS", str(caught.exception))
+        with self.assertRaisesRegex(hvi.ScriptError, "accuracy of `reaction`"):
+            hvi.load(EXAMPLES / "slab.hvi").run(accuracy_of="reaction")
 
     def test_parameters(self):
         model = hvi.load(EXAMPLES / "slab.hvi", n=np.int64(3))
@@ -272,6 +276,13 @@ class Mistakes(unittest.TestCase):
         result = hvi.load(EXAMPLES / "slab.hvi").run(n=2, N=2)
         with self.assertRaisesRegex(KeyError, "reaction"):
             result["reakction"]
+
+    def test_names_of_columns(self):
+        """As of a dictionary: `in`, loops, and copies."""
+        result = hvi.load(EXAMPLES / "slab.hvi").run(n=2, N=2)
+        self.assertTrue("reaction" in result and "reakction" not in result)
+        self.assertEqual(list(result), ["t", "u_y", "u_x", "strain", "reaction"])
+        np.testing.assert_array_equal(dict(result)["reaction"], result["reaction"])
 
 
 class Process(unittest.TestCase):

@@ -47,7 +47,8 @@ class Steps(unittest.TestCase):
         for step in steps:
             if step.number == 3:
                 break
-        self.assertEqual(next(iter(steps)).number, 4)
+        self.assertEqual(next(steps).number, 4)
+        self.assertTrue("reaction" in step and "reakction" not in step)
         early = steps.result()
         self.assertFalse(early.certified)
         self.assertEqual(early.steps, 4)

@@ -41,6 +41,7 @@ class Sweeps(unittest.TestCase):
         self.assertTrue(np.isnan(found["reaction"][1]) and np.isfinite(found["reaction"][2]))
         with self.assertRaises(KeyError):
             found["weight"]
+        self.assertTrue("tol" in found and "reaction" in found and "weight" not in found)
 
     def test_a_bar_on_a_terminal(self):
         code = f"import hvi; hvi.load({str(EXAMPLES / 'slab.hvi')!r}, N=2).sweep(n=[2, 3, 4], processes=1)"

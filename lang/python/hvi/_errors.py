@@ -66,7 +66,7 @@ class SolveError(Error):
     """The script is right, and this run of it has no certified result."""
 
 
-EXIT_SCRIPT, EXIT_SOLVE, EXIT_INTERRUPTED = 1, 3, 130
+EXIT_SCRIPT, EXIT_USAGE, EXIT_SOLVE, EXIT_INTERRUPTED = 1, 2, 3, 130
 
 
 def refuse(answer: dict[str, Any], partial: Optional[Result] = None) -> None:

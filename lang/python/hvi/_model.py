@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, Optional, Union
 
 from . import _hvi
-from ._errors import EXIT_INTERRUPTED, EXIT_SCRIPT, Error, ScriptError, SolveError, diagnostics_from, refuse
+from ._errors import EXIT_INTERRUPTED, EXIT_SCRIPT, EXIT_USAGE, Error, ScriptError, SolveError, diagnostics_from, refuse
 from ._result import Array, Grid, Result, grid_from, result_from
 
 if TYPE_CHECKING:
@@ -205,7 +205,7 @@ class Model:
             done = subprocess.run(words + (["--allow-geo"] if self.allow_geo else []), capture_output=True, text=True, check=False)
         if done.returncode != 0:
             rows = [json.loads(line) for line in done.stderr.splitlines() if line.startswith("{")]
-            kind = ScriptError if done.returncode == EXIT_SCRIPT else SolveError
+            kind = ScriptError if done.returncode in (EXIT_SCRIPT, EXIT_USAGE) else SolveError  # it has no study
             said = "\n".join(str(d) for d in diagnostics_from(rows)) or done.stderr
             raise kind(said, diagnostics_from(rows))
         return dict(json.loads(done.stdout))
@@ -245,6 +245,9 @@ class Step:
 
     def __getitem__(self, column: str) -> float:
         return self.values[column]
+
+    def __contains__(self, column: object) -> bool:
+        return column in self.values
 
 
 class Steps:
@@ -292,8 +295,13 @@ class Steps:
         return int(self._stepping.steps)
 
     def __iter__(self) -> Iterator[Step]:
-        while (step := self.advance()) is not None:
-            yield step
+        return self
+
+    def __next__(self) -> Step:
+        step = self.advance()
+        if step is None:
+            raise StopIteration
+        return step
 
     def advance(self) -> Optional[Step]:
         """The next step; None when there is none. Raises SolveError at a step without a certificate, with the result so far."""

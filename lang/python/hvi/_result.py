@@ -9,6 +9,8 @@ import numpy as np
 from ._errors import Diagnostic, diagnostics_from
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, KeysView
+
     import pandas
     from matplotlib.tri import Triangulation
 
@@ -64,6 +66,17 @@ class Result:
             return self.table[column]
         except KeyError:
             raise KeyError(f"no column {column!r}; there are {', '.join(self.table)}") from None
+
+    def __contains__(self, column: object) -> bool:
+        return column in self.table
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of the columns, t first."""
+        return iter(self.table)
+
+    def keys(self) -> KeysView[str]:
+        """The names of the columns, t first: with this and `result[name]`, `dict(result)` is the table."""
+        return self.table.keys()
 
     @property
     def certified(self) -> bool:

@@ -45,6 +45,9 @@ class Sweep:
             raise KeyError(f"neither a parameter of this sweep nor a column of a run: {name!r}")
         return np.array([row.get(name, np.nan) for row in self.final])
 
+    def __contains__(self, name: object) -> bool:
+        return any(name in row for row in (*self.params, *self.final))
+
     def to_pandas(self) -> pandas.DataFrame:
         """A row for each run: parameters, columns at the end, CPU seconds."""
         import pandas
