@@ -449,7 +449,11 @@ int study_command(const std::string& path, const Options& options) {
     return ending.exit;
   }
   judge(study, study.reference == "the finest run, extrapolated");
-  return report_study(path, study, studying.folder(), options);
+  const int code = report_study(path, study, studying.folder(), options);
+  const auto failed = [](const StudyRow& row) { return !row.failure.empty(); };
+  if (code != exit_ok || !std::ranges::all_of(study.rows, failed)) return code;
+  tell("hvi-run: no setting of the study has a result: {}\n", study.rows.front().failure);
+  return exit_solve;
 }
 
 } // namespace hvi::lang

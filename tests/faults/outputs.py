@@ -191,6 +191,18 @@ def ladder_with_zero(place):
 
 
 @case
+def study_without_results(place):
+    """Values that are all mistakes of the script: the table lists them, and the exit code says that there is nothing else."""
+    place.write(more="param m = 1 in [1, 2]\nstudy vary m in [2, 3]\n")
+    done = place.call("study", "s.hvi", "-o", "out")
+    check("a study with one result is one", done.returncode == 0 and "failed: m = 3" in done.stdout, (done.returncode, done.stderr))
+    place.write(more="param m = 1 in [1, 2]\nstudy vary m in [3, 4]\n")
+    done = place.call("study", "s.hvi", "-o", "out")
+    check("a study without a result: exit 3", done.returncode == 3 and "failed: m = 4" in done.stdout and "no setting" in done.stderr,
+          (done.returncode, done.stderr))
+
+
+@case
 def no_room(place):
     """A disk that fills up when the solve is done: exit 3, everything that fits is there, nothing is half."""
     place.write(more=FIELDS)
