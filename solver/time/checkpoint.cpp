@@ -219,8 +219,8 @@ std::string read_checkpoint(const std::filesystem::path& path, std::uint64_t fin
       header.state_hash != hash_of(std::string_view(bytes).substr(sizeof header)))
     refuse_checkpoint(path, "is damaged: its hash does not fit its content");
   if (header.fingerprint != fingerprint)
-    refuse_checkpoint(path, "belongs to another problem: the script, its parameters or its mesh "
-                            "have changed");
+    refuse_checkpoint(path, "belongs to another problem: the script, its parameters, its mesh or "
+                            "how it is to be solved have changed");
   return bytes.substr(sizeof header);
 }
 

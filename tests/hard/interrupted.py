@@ -117,11 +117,11 @@ def refusals(scene, random_):
     path = scene.folder / "cut" / "longer.checkpoint"
     good = path.read_bytes()
 
-    def refused(what, bytes_, *more):
+    def refused(what, bytes_, *more, said=""):
         path.write_bytes(bytes_)
         (scene.folder / "cut.json").unlink(missing_ok=True)
         done = scene.call("cut", "--resume", *more)
-        fine = done.returncode == 1 and "E0704" in done.stderr and not (scene.folder / "cut.json").exists()
+        fine = done.returncode == 1 and "E0704" in done.stderr and said in done.stderr and not (scene.folder / "cut.json").exists()
         check(fine, f"{what}: exit {done.returncode}")
         if not fine:
             print(done.stderr)
@@ -137,6 +137,7 @@ def refusals(scene, random_):
     refused("another parameter", good, "-D", "lift=0.001")
     refused("another mesh", good, "-D", "n=9")
     refused("another number of steps", good, "-D", "steps=1501")
+    refused("another way to the same steps", good, "--full", said="how it is to be solved")
     path.write_bytes(good)
     script = scene.folder / "longer.hvi"
     text = script.read_text()
