@@ -3,6 +3,23 @@
 
 const lineColours = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
 
+/** Lines through the points that there are, and a dot for one that has no neighbour: a table of one row is to be seen. */
+function curveMarks(points, place, stroke) {
+  const dots = [];
+  let path = "", last = null, length = 0;
+  const end = () => {
+    if (length === 1) dots.push(svg("circle", { cx: last[0].toFixed(1), cy: last[1].toFixed(1), r: 3, fill: stroke, class: "dot-of-curve" }));
+    length = 0;
+  };
+  for (const [x, y] of points) {
+    if (!Number.isFinite(x) || !Number.isFinite(y)) { end(); continue; }
+    last = place(x, y);
+    path += `${length++ ? "L" : "M"}${last[0].toFixed(1)} ${last[1].toFixed(1)}`;
+  }
+  end();
+  return [svg("path", { d: path, stroke, class: "curve" }), ...dots];
+}
+
 /** { label, xName, x: [..], curves: [{ name, y: [..] }], log, onSelect(i) } as a figure. */
 function curvesFigure(plot) {
   const wide = 640, high = 300, left = 78, right = 16, top = 14, bottom = 44;
@@ -39,15 +56,8 @@ function curvesFigure(plot) {
     picture.append(svg("text", { x: (left + wide - right) / 2, y: high - 8, "text-anchor": "middle" }, plot.xName));
     plot.curves.forEach((curve, i) => {
       if (!shown[i]) return;
-      let path = "", pen = "M";
-      curve.y.forEach((y, k) => {
-        const v = value(y);
-        if (!Number.isFinite(v) || !Number.isFinite(plot.x[k])) { pen = "M"; return; }
-        const [px, py] = place(plot.x[k], v);
-        path += `${pen}${px.toFixed(1)} ${py.toFixed(1)}`;
-        pen = "L";
-      });
-      picture.append(svg("path", { d: path, stroke: lineColours[i % lineColours.length], class: "curve" }));
+      const points = curve.y.map((y, k) => [plot.x[k], value(y)]);
+      picture.append(...curveMarks(points, place, lineColours[i % lineColours.length]));
     });
     cursor();
   }
@@ -140,14 +150,7 @@ function graphFigure(label, xName, yName, points, note = "") {
     picture.append(svg("line", { x1: left, x2: wide - right, y1: py, y2: py, class: "grid" }),
       svg("text", { x: left - 5, y: py + 4, "text-anchor": "end" }, text(y)));
   }
-  let path = "", pen = "M";
-  for (const [x, y] of points) {
-    if (!Number.isFinite(x) || !Number.isFinite(y)) { pen = "M"; continue; }
-    const [px, py] = place(x, y);
-    path += `${pen}${px.toFixed(1)} ${py.toFixed(1)}`;
-    pen = "L";
-  }
-  picture.append(svg("path", { d: path, stroke: lineColours[0], class: "curve" }),
+  picture.append(...curveMarks(points, place, lineColours[0]),
     svg("text", { x: (left + wide - right) / 2, y: high - 6, "text-anchor": "middle" }, xName));
   return element("figure", { class: "graph" }, element("figcaption", {}, label), picture,
     note ? element("p", { class: "note" }, note) : null);

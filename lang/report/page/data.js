@@ -47,7 +47,8 @@ const integers = async (id) => new Uint32Array(await bytesOf(id));
 function text(x, digits = 4) {
   if (x === null || x === undefined || Number.isNaN(x)) return "–";
   if (typeof x !== "number") return String(x);
-  return String(Number(x.toPrecision(digits))).replace("-", "−");
+  const short = Number(x.toPrecision(digits));
+  return (Math.abs(short) < 1e6 ? String(short) : short.toExponential().replace("e+", "e")).replaceAll("-", "−");
 }
 
 /** Behind the name of what is shown: " [mm]"; nothing where its unit is 1 or not known. */

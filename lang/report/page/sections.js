@@ -53,13 +53,17 @@ function hypothesesSection() {
       [one.name, one.bound, text(one.value), word(one.holds), one.line ? String(one.line) : "", one.note || ""])));
 }
 
+/** Apart: both the plan and the seconds have `sweeps`. */
+const numbersOf = (of, head, caption) =>
+  table(head, Object.entries(of).filter(([, v]) => typeof v === "number").map(([k, v]) => [k.replaceAll("_", " "), text(v)]), caption);
+
 function planSection() {
   const run = report.result;
   if (!run || !run.plan) return;
   const plan = run.plan;
   section("plan", "Plan and cost",
     table(["effect", "state", "line", "why"], (plan.effects || []).map((e) => [e.name, e.state, e.line ? String(e.line) : "", e.why || ""]), "Effects"),
-    table(["what", "number"], Object.entries({ ...plan, ...run.timing }).filter(([, v]) => typeof v === "number").map(([k, v]) => [k.replaceAll("_", " "), text(v)]), "Work, and seconds of CPU time"));
+    numbersOf(plan, ["what", "number"], "Work"), numbersOf(run.timing, ["phase", "seconds"], "CPU time"));
 }
 
 function certificateSection() {

@@ -258,6 +258,21 @@ def told(browser):
     check("colours of all times end at the values of all", ranges[0] == ranges[1], ranges)
 
 
+def numbers(browser):
+    """The tables of work and of seconds have their own numbers; long numbers find room; what has no neighbour on a curve is a dot."""
+    rows = browser.run("""(() => [...document.querySelectorAll("#plan table")].map((t) => [t.caption.textContent, [...t.tBodies[0].rows].map((r) => [...r.cells].map((c) => c.textContent))]))()""")
+    tables = {caption: {line[0]: line[1] for line in lines} for caption, lines in rows}
+    for caption, of in (("Work", "plan"), ("CPU time", "timing")):
+        wanted = browser.run(f"text(report.result.{of}.sweeps)")
+        check(f"sweeps of {caption}", tables.get(caption, {}).get("sweeps") == wanted, (tables.keys(), wanted))
+    for number, words in (("6e9", "6e9"), ("-1234567", "\u22121.235e6"), ("-1.5e-16", "\u22121.5e\u221216"), ("999999", "1e6"), ("12345", "12350"), ("0", "0"), ("NaN", "\u2013")):
+        check("numbers", browser.run(f"text({number})") == words, (number, browser.run(f"text({number})")))
+    for points, dots in (("[[1, 2]]", 1), ("[[1, 2], [2, 3]]", 0), ("[[1, 2], [2, 3], [NaN, 0], [4, 1]]", 1), ("[[NaN, 1]]", 0), ("[[0, 1], [1, NaN], [2, 1], [3, NaN], [4, 1]]", 3)):
+        found = browser.run(f"curveMarks({points}, (x, y) => [x, y], 'red').filter((e) => e.tagName === 'circle').length")
+        check("dots of curves", found == dots, (points, found))
+    check("the inequality is seen as a whole", browser.run("(({ scrollHeight, clientHeight }) => scrollHeight <= clientHeight + 2)(document.querySelector('.problem'))"))
+
+
 def tab(browser, back=False):
     for kind in ("rawKeyDown", "keyUp"):
         browser("Input.dispatchKeyEvent", type=kind, key="Tab", code="Tab", windowsVirtualKeyCode=9, modifiers=8 if back else 0)
@@ -449,6 +464,7 @@ def main():
             curves(browser)
             geometry(browser)
             told(browser)
+            numbers(browser)
             keyboard(browser)
             screen_reader(browser)
             units(browser, folder)
