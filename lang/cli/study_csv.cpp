@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <set>
+#include <string>
 
 namespace hvi::lang {
 
@@ -25,15 +27,9 @@ bool is_number(const std::string& value) {
   return !value.empty() && *end == '\0';
 }
 
-} // namespace
-
-std::vector<solver::CsvColumn> study_columns(const Study& study) {
+/// What every study has, in its order.
+std::vector<solver::CsvColumn> columns_of_every_row(const Study& study) {
   std::vector<solver::CsvColumn> out;
-  for (const std::string& name : varied(study)) {
-    const bool numbers = std::ranges::all_of(
-        study.rows, [&](const StudyRow& row) { return is_number(row.values.at(name)); });
-    out.push_back({name, unit_in(study, "params", name), numbers});
-  }
   for (const char* name :
        {"unknowns", "steps", "v_max", "v_final", "l2_max", "l2_final", "relative", "order"})
     out.push_back({name, ""});
@@ -44,10 +40,34 @@ std::vector<solver::CsvColumn> study_columns(const Study& study) {
     out.push_back({name, ""});
   for (const std::string& u : study.unknowns)
     for (const char* norm : {"v_max_", "l2_max_"}) out.push_back({norm + u, ""});
-  for (const std::string& probe : probes_of(study))
-    for (const char* what : {"", "_error"})
-      out.push_back({probe + what, unit_in(study, "columns", probe)});
-  out.push_back({"failure", "", false});
+  return out;
+}
+
+} // namespace
+
+std::vector<solver::CsvColumn> study_columns(const Study& study) {
+  const auto always = columns_of_every_row(study);
+  const solver::CsvColumn failure{"failure", "", false};
+  std::set<std::string> taken{failure.name};
+  for (const auto& column : always) taken.insert(column.name);
+  std::vector<solver::CsvColumn> out;
+  for (const std::string& name : varied(study)) {
+    const bool numbers = std::ranges::all_of(
+        study.rows, [&](const StudyRow& row) { return is_number(row.values.at(name)); });
+    // A parameter `order`, a column `tip` beside a parameter of that name: by their kinds.
+    out.push_back({taken.insert(name).second ? name : "params." + name,
+                   unit_in(study, "params", name), numbers});
+  }
+  out.insert(out.end(), always.begin(), always.end());
+  for (const std::string& probe : probes_of(study)) {
+    const bool alone = !taken.contains(probe) && !taken.contains(probe + "_error");
+    for (const char* what : {"", "_error"}) {
+      const std::string name = (alone ? "" : "columns.") + probe + what;
+      taken.insert(name);
+      out.push_back({name, unit_in(study, "columns", probe)});
+    }
+  }
+  out.push_back(failure);
   return out;
 }
 

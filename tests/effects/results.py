@@ -482,6 +482,22 @@ def check_sweep(folder):
             assert float(row[name]) == final[name], (row, final)
 
 
+def check_names_of_studies(folder):
+    """No two columns of study.csv have one name, whatever parameters and columns of tables are called."""
+    text = PLATE.replace("mesh plate", "param drop = 1\nparam order = P1\nparam k = 1\nmesh plate").replace("sin(2*t)", "drop*k*sin(2*t)").format(
+        tensor=ISOTROPIC, element="order", report="table drop = u.y at [1, 1], steps = u.x at [1, 1], free = u.x at [1, 0.5]\n")
+    for end in ("", " against finest"):
+        run(folder, text + "study vary drop in [1, 2] and order in [P1, P2]" + end, command="study")
+        lines = list(csv.reader((folder / "out" / "study.csv").open()))
+        head, rows = lines[0], [dict(zip(lines[0], line, strict=True)) for line in lines[1:]]
+        assert len(set(head)) == len(head), head
+        assert head[:2] == ["drop", "params.order"] and {"order", "steps", "columns.drop", "columns.drop_error", "columns.steps", "free", "free_error"} <= set(head), head
+        for row in rows[::3]:
+            run(folder, text, "-D", f"drop={row['drop']}", "-D", f"order={row['params.order']}", "--json", str(folder / "one.json"))
+            result = json.loads((folder / "one.json").read_text())
+            assert float(row["columns.drop"]) == result["final"]["drop"] and int(row["steps"]) == result["steps"] and float(row["free"]) == result["final"]["free"], (row, result["final"])
+
+
 def check_pictures(folder):
     run(folder, PLATE.format(tensor=ISOTROPIC, element="P2", report="""table tip = u.y at [1, 1], held = reaction(wall)
   plot held_y, held_x against tip to "loop.svg"
@@ -694,7 +710,7 @@ report
 
 
 def main():
-    for check in (check_negative_bounds, check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_stiffness_that_grows, check_sweep, check_pictures, check_words, check_pictures_of_states, check_resume):
+    for check in (check_negative_bounds, check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_stiffness_that_grows, check_sweep, check_names_of_studies, check_pictures, check_words, check_pictures_of_states, check_resume):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
     check_examples()

@@ -124,16 +124,25 @@ function energiesSection() {
 function studySection() {
   const s = report.study;
   if (!s) return;
-  const numbers = (row) => Object.entries(row).filter(([, v]) => v === null || typeof v !== "object");
-  const named = (values) => Object.fromEntries(Object.entries(values).map(([k, v]) => [s.units && s.units[k] && s.units[k] !== "1" ? `${k} [${s.units[k]}]` : k, v]));
-  const rows = s.rows.map((row) => ({ ...named(row.params), ...named(row.probes), ...Object.fromEntries(numbers(row)), ...Object.fromEntries(Object.entries(row.error || {}).map(([k, v]) => [`error ${k}`, v])) }));
-  const heads = [...new Set(rows.flatMap(Object.keys))];
+  const sweep = s.reference === "none", left = sweep ? ["order", "front"] : [];
+  const numbers = (row) => Object.fromEntries(Object.entries(row).filter(([k, v]) => !left.includes(k) && (v === null || typeof v !== "object")));
   const words = { cpu: "CPU seconds", wall: "seconds", order: "observed order" };
-  const out = section("study", "What accuracy costs", element("p", {}, `Errors against ${s.reference}.`),
-    table(heads.map((h) => words[h] || h.replaceAll("_", " ")), rows.map((row) => heads.map((h) => row[h] === undefined ? "" : text(row[h])))));
-  const points = rows.filter((r) => r.cpu > 0 && r["error V_max"] > 0).map((r) => [Math.log10(r.cpu), Math.log10(r["error V_max"])]).sort((a, b) => a[0] - b[0]);
+  const withUnitOf = (kind) => (name) => { const unit = ((s.units_by_kind || {})[kind] || {})[name]; return unit && unit !== "1" ? `${name} [${unit}]` : name; };
+  // Kind by kind: a parameter may be called `order` or as a column.
+  const kinds = [[(row) => row.params, withUnitOf("params")], [(row) => row.probes, withUnitOf("columns")], [numbers, (name) => words[name] || name.replaceAll("_", " ")],
+    [(row) => row.error || {}, (name) => `error ${name.replaceAll("_", " ")}`]];
+  const heads = [], cells = s.rows.map(() => []);
+  for (const [read, head] of kinds)
+    for (const name of new Set(s.rows.flatMap((row) => Object.keys(read(row))))) {
+      heads.push(head(name));
+      s.rows.forEach((row, i) => { const value = read(row)[name]; cells[i].push(value === undefined ? "" : text(value)); });
+    }
+  const out = section("study", "What accuracy costs", element("p", {}, sweep ? "The columns at the end for each setting." : `Errors against ${s.reference}.`), table(heads, cells));
+  const points = s.rows.filter((r) => r.cpu > 0 && r.error && r.error.V_max > 0).map((r) => [Math.log10(r.cpu), Math.log10(r.error.V_max)]).sort((a, b) => a[0] - b[0]);
   if (points.length > 1) out.append(graphFigure("Error in V against CPU seconds", "log₁₀ seconds", "log₁₀ error", points));
 }
+
+const cell = (v) => v !== null && typeof v === "object" ? JSON.stringify(v) : text(v);
 
 function stabilitySection() {
   const s = report.stability;
@@ -141,13 +150,16 @@ function stabilitySection() {
   const out = section("stability", "How far the model can be trusted");
   for (const [name, value] of Object.entries(s)) {
     if (value === null || name === "schema") continue;
-    if (Array.isArray(value) && value.length && typeof value[0] === "object" && value[0] !== null) {
+    if (name === "monitors") {
+      out.append(curvesFigure({ label: "Step by step", xName: "t" + (s.units && s.units.t ? ` [${s.units.t}]` : ""), x: value.t,
+        curves: Object.entries(value).filter(([k, v]) => !["t", "inclusion", "equilibrium"].includes(k) && v.length === value.t.length).map(([k, v]) => ({ name: k.replaceAll("_", " "), y: v })) }));
+    } else if (Array.isArray(value) && value.length && typeof value[0] === "object" && value[0] !== null) {
       const heads = [...new Set(value.flatMap(Object.keys))];
-      out.append(table(heads, value.map((row) => heads.map((h) => typeof row[h] === "object" ? JSON.stringify(row[h]) : text(row[h]))), name));
+      out.append(table(heads, value.map((row) => heads.map((h) => cell(row[h]))), name));
     } else if (typeof value !== "object") {
       out.append(element("p", {}, `${name.replaceAll("_", " ")}: `, element("strong", {}, text(value))));
     } else if (!Array.isArray(value)) {
-      out.append(table(["what", "value"], Object.entries(value).map(([k, v]) => [k.replaceAll("_", " "), typeof v === "object" ? JSON.stringify(v) : text(v)]), name));
+      out.append(table(["what", "value"], Object.entries(value).map(([k, v]) => [k.replaceAll("_", " "), cell(v)]), name));
     }
   }
 }

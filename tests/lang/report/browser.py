@@ -441,6 +441,41 @@ def worn(browser, folder):
     browser.shot("worn")
 
 
+PAGES = """param order = P1
+param tip = 2
+mesh bar = interval(1, cells = 8)
+part left = bar.left
+space V = scalar order on bar, zero on left
+find u in V for t in [0, 1] by 4 steps from u = 0 such that for all v in V
+  integral(bar, dot(grad(u), grad(v))) + integral(bar, u'*v) = integral(bar, tip*t*v)
+report
+  table tip = u at [1]
+study vary order in [P1, P2] and tip in [1, 2]"""
+
+
+def pages(browser, folder):
+    """Pages of studies and of stability: parameters, columns and what every setting has stand apart, whatever they are called."""
+    rows = """(() => { const [head, ...body] = [...document.querySelectorAll("#study table tr")].map((r) => [...r.cells].map((c) => c.textContent)); return [head, body]; })()"""
+    for end in ("", " against finest"):
+        (folder / "study.hvi").write_text(PAGES + end + "\n")
+        for command in ("study", "stability"):
+            done = subprocess.run([PROGRAM, command, "study.hvi", "--report", "-o", "pages"], cwd=folder, capture_output=True, text=True)
+            assert done.returncode == 0, done.stderr
+            page, = (folder / "pages").glob("*.html")
+            browser("Page.navigate", url=page.as_uri())
+            browser.wait("document.body && document.body.dataset.ready === 'yes'")
+            page.unlink()
+            if command == "stability":
+                words = browser.run("document.getElementById('stability').textContent")
+                check("a page of stability draws its steps", "null" not in words and "[0" not in words and browser.run("document.querySelectorAll('#stability svg').length") == 1, words[:600])
+                continue
+            head, body = browser.run(rows)
+            said = browser.run("document.querySelector('#study p').textContent")
+            check("heads of a study", head[:3] == ["order", "tip", "tip"] and ("observed order" in head) == bool(end) and ("front" in head) == bool(end), head)
+            check("values of a study", [line[:2] for line in body] == [["P1", "1"], ["P1", "2"], ["P2", "1"], ["P2", "2"]] and all(float(line[2]) > 0.1 for line in body), body)
+            check("what a study is held against", ("Errors against" in said) == bool(end), said)
+
+
 def main():
     program = chromium()
     if program is None:
@@ -470,6 +505,7 @@ def main():
             units(browser, folder)
             bar(browser, folder)
             worn(browser, folder)
+            pages(browser, folder)
             check("no error, no request", not browser.errors, browser.errors)
         finally:
             browser.close()
