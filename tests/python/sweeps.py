@@ -43,6 +43,20 @@ class Sweeps(unittest.TestCase):
             found["weight"]
         self.assertTrue("tol" in found and "reaction" in found and "weight" not in found)
 
+    def test_frames_have_parameters_and_columns_of_one_name(self):
+        try:
+            import pandas  # noqa: F401
+        except ImportError:
+            self.skipTest("pandas is not installed")
+        text = (EXAMPLES / "slab.hvi").read_text().replace("mesh slab", "param u_x = 1\nparam seconds = 1\nmesh slab", 1).replace("3*t", "u_x*seconds*3*t")
+        found = hvi.loads(text, n=2, N=2).sweep(u_x=[1, 2], seconds=[1], processes=1, progress=False)
+        frame = found.to_pandas()
+        self.assertEqual(list(frame["u_x"]), [1, 2])
+        self.assertEqual(list(frame["columns.u_x"]), [row["u_x"] for row in found.final])
+        self.assertEqual(list(frame["seconds"]), [1, 1])
+        self.assertEqual(list(frame["run.seconds"]), list(found.seconds))
+        self.assertIn("reaction", frame)
+
     def test_a_bar_on_a_terminal(self):
         code = f"import hvi; hvi.load({str(EXAMPLES / 'slab.hvi')!r}, N=2).sweep(n=[2, 3, 4], processes=1)"
         master, slave = os.openpty()

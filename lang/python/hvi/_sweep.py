@@ -49,10 +49,13 @@ class Sweep:
         return any(name in row for row in (*self.params, *self.final))
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A row for each run: parameters, columns at the end, CPU seconds."""
+        """A row for each run: parameters, columns at the end, CPU seconds. A column with the name of a parameter is `columns.NAME`;
+        what is called `seconds` keeps its name, and the CPU seconds are `run.seconds`."""
         import pandas
 
-        return pandas.DataFrame([{**p, **row, "seconds": s} for p, row, s in zip(self.params, self.final, self.seconds)])
+        rows = [{**p, **{f"columns.{name}" if name in p else name: value for name, value in row.items()}} for p, row in zip(self.params, self.final)]
+        own = "run.seconds" if any("seconds" in row for row in rows) else "seconds"
+        return pandas.DataFrame([{**row, own: s} for row, s in zip(rows, self.seconds)])
 
 
 class _Bar:
