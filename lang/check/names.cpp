@@ -2,6 +2,7 @@
 
 #include "lang/check/builtins.hpp"
 #include "lang/diag/suggest.hpp"
+#include "lang/syntax/token.hpp"
 
 #include <fmt/format.h>
 
@@ -104,7 +105,7 @@ int Names::find(const std::string& name) const {
 bool Names::is_silent(const std::string& name) const {
   const bool foreign = std::any_of(name.begin(), name.end(),
                                    [](char c) { return static_cast<unsigned char>(c) >= 0x80; });
-  return foreign || silenced_.count(name) > 0;
+  return foreign || reserved_word(name) || silenced_.count(name) > 0; // told by the parser
 }
 
 Value Names::report_unknown(const Span& span, const std::string& name, const Scope& scope) {
