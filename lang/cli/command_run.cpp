@@ -196,7 +196,7 @@ void add_page(Session& session, const Options& options, double bandwidth, int& c
   ReportParts parts{script};
   parts.result = json_of(session, bandwidth);
   parts.run = &session.result;
-  parts.frames = session.shown.frames;
+  parts.frames = session.shown.frames, parts.frames_since = session.shown.since;
   try {
     parts.hypotheses = hypotheses_json(
         script, solver::check_hypotheses(*script.plan, session.last_discretisation()));

@@ -155,8 +155,10 @@ Json data_of(const ReportParts& parts, Blocks& blocks) {
   if (parts.run == nullptr) return out;
   out["monitors"] = monitors_json(*parts.run);
   out["fields"] = fields_json(parts.frames, blocks);
-  if (!out["fields"].is_null())
+  if (!out["fields"].is_null()) {
     out["fields"]["axisymmetric"] = script.plan->problem.mesh.axisymmetric;
+    out["fields"]["since"] = parts.frames_since;
+  }
   return out;
 }
 

@@ -21,6 +21,7 @@ struct ReportParts {
   nlohmann::ordered_json stability{};  ///< hvi-stability/1
   const solver::RunResult* run = nullptr;
   std::span<const solver::FieldFrame> frames{};
+  int frames_since = 0; ///< of a run that is gone on from a checkpoint: its step
 };
 
 /// The page with its style, code and data in it. Texts of the script stand in the JSON only, where

@@ -33,6 +33,7 @@ ShownFrames::ShownFrames(const Plan& plan, const Discretisation& d, const Contac
     : out_(out) {
   out_.pictures.clear();
   out_.frames.clear();
+  out_.since = 0;
   for (const PictureSpec& picture : plan.report.pictures) {
     pictures_.push_back(FrameMaker::of_picture(plan.problem, d, contact, picture.field));
     moving_.push_back(moves(picture) ? stride(plan, most_moving_frames) : 0);
@@ -91,6 +92,7 @@ void ShownFrames::save(std::ostream& out) const {
 
 void ShownFrames::restore(std::istream& in, const Snapshot& now) {
   StateReader r(in, {});
+  out_.since = now.step();
   for (std::size_t i = 0; i < taken_.size(); ++i)
     for (auto left = r.get<std::uint64_t>(); left > 0; --left) {
       // Its grids and arrays; then what was in them.

@@ -24,6 +24,7 @@ struct Shown {
   /// not end.
   std::vector<std::vector<FieldFrame>> pictures;
   std::vector<FieldFrame> frames; ///< of a run that is gone on from a checkpoint: from there on
+  int since = 0;                  ///< the step of that checkpoint; 0: `frames` are of the whole run
 };
 
 /// A picture whose file is `NAME.apng` moves: so many frames of it at even distances, and the end.

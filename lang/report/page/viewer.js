@@ -369,6 +369,7 @@ async function fieldsSection() {
   if (!fields) return;
   const out = section("fields", "Fields on the mesh",
     element("p", { class: "note hint" }, "Drag to turn, with shift to move, wheel to zoom, click to read a value. Stresses are means at nodes of what the cells have."));
+  if (fields.since) out.append(element("p", { class: "note" }, `The run went on from a checkpoint at step ${fields.since}: fields of the steps before are not on this page.`));
   const [points, cells] = await Promise.all([floats(fields.points), integers(fields.cells)]);
   if (fields.dim < 2) { out.append(await barFigure(fields, points)); return; }
   try {

@@ -5,6 +5,7 @@ import html.parser
 import json
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -262,11 +263,30 @@ def pulled(folder):
     check("stick at the end that is held", near.any() and ((branch == 5) == (points[:, 0] > 0)).all(), (points, branch))
 
 
+def resumed(folder):
+    """The page of a run that goes on from a checkpoint has the fields since then, and says since when; tables are of all steps."""
+    steps = lambda page: [frame["step"] for frame in page.data["fields"]["frames"]]
+    text = BAR.replace("find u in V", "param T = 2\nfind u in V for t in [0, T] by 4*T steps")
+    _, page, _ = run(folder, text, "report")
+    check("frames of a whole run", steps(page) == list(range(1, 9)) and page.data["fields"]["since"] == 0, steps(page))
+    whole = page.data["result"]["table"]
+    shutil.rmtree(folder / "out")
+    run(folder, text, "report", "-D", "T=1", "--checkpoint", "3")
+    _, page, _ = run(folder, text, "report", "--resume", "--checkpoint", "3")
+    check("frames of a resumed run", steps(page) == [5, 6, 7, 8] and page.data["fields"]["since"] == 4, steps(page))
+    check("tables of a resumed run", page.data["result"]["table"] == whole)
+    _, page, _ = run(folder, text, "report", "--resume")
+    check("frames of a run that is over", steps(page) == [8] and page.data["fields"]["since"] == 8, steps(page))
+
+
 def main():
     with tempfile.TemporaryDirectory() as place:
         folder = pathlib.Path(place) / "worn"
         folder.mkdir()
         states(folder)
+        folder = pathlib.Path(place) / "resumed"
+        folder.mkdir()
+        resumed(folder)
         folder = pathlib.Path(place) / "pulled"
         folder.mkdir()
         pulled(folder)
