@@ -11,6 +11,13 @@ ast::Import DeclarationParser::import_statement() {
     result.module = names_.string();
   else
     result.module = names_.declared_name("the name of a module or a file in quotes");
+  const bool dot = cursor_.at(TokenKind::dot), comma = cursor_.at(TokenKind::comma);
+  if ((dot || comma) && !cursor_.peek().first_on_line)
+    cursor_.fail(diagnose("E0201", cursor_.peek().span,
+                          "expected the end of the statement, " + cursor_.found(cursor_.peek()))
+                     .with_label("expected the end of the statement")
+                     .with_help(dot ? "a file stands in quotes: `import \"laws.hvi\"`"
+                                    : "each module has its own `import`"));
   result.span = cursor_.span_from(result.keyword);
   return result;
 }

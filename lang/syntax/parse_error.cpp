@@ -151,6 +151,9 @@ void Cursor::fail_decimal_comma() {
 void Cursor::fail_on_known_slip() {
   const Token& token = peek();
   if (at_decimal_comma()) fail_decimal_comma();
+  if (token.kind == TokenKind::dot && peek(1).kind == TokenKind::number && glued(token, peek(1)))
+    fail(diagnose("E0201", token.span, "expected a digit before `.`")
+             .with_help("write `0." + std::string(text(peek(1))) + "`"));
   if (is_closing(token.kind) && open_.empty())
     fail(diagnose("E0205", token.span, "this " + std::string(text(token)) + " closes nothing")
              .with_label("no bracket is open"));
@@ -208,7 +211,9 @@ void Cursor::fail_operator_missing(const std::string& otherwise) {
   fail(diagnose("E0224", peek().span,
                 "an operator is missing before `" + std::string(text(peek())) + "`")
            .with_label("expected an operator or " + otherwise)
-           .with_help("a product is written with `*`"));
+           .with_help(previous().kind == TokenKind::name && text(previous()) == "if"
+                          ? "values by cases are written `| x > 0 -> 1 | otherwise -> 0`"
+                          : "a product is written with `*`"));
 }
 
 void Cursor::check_decimal_comma_before() {

@@ -240,6 +240,11 @@ TEST(SyntaxErrors, HelpNamesTheWayOut) {
             "`deformed = 20` stands before `at t` and `to`");
   EXPECT_EQ(help("space V = vector P1 on slab zero on roof"),
             "what holds for a space stands behind commas: `vector P1 on body, zero on wall`");
+  EXPECT_EQ(help("param a = .5"), "write `0.5`");
+  EXPECT_EQ(help("param a = if 1 < 2 then 3 else 4"),
+            "values by cases are written `| x > 0 -> 1 | otherwise -> 0`");
+  EXPECT_EQ(help("import laws.hvi"), "a file stands in quotes: `import \"laws.hvi\"`");
+  EXPECT_EQ(help("import contact, friction"), "each module has its own `import`");
   EXPECT_EQ(help("param a = 1 # b\rparam c = 2"),
             "lines end with a line feed: save the script with such line ends");
   EXPECT_EQ(help("find u in V for t in [0, 1] by 2 steps from u = 0, u'' = 0"),
