@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
 
 namespace hvi::lang {
 
@@ -66,6 +69,21 @@ Value Parameters::value(const ast::Param& param) {
   return value;
 }
 
+namespace {
+
+/// Of a value that is neither a number nor a word: `7 MPa` lacks the brackets.
+std::string help_for_value(const std::string& text) {
+  char* rest = nullptr;
+  const double number = std::strtod(text.c_str(), &rest);
+  const std::string first = text.substr(0, static_cast<std::size_t>(rest - text.c_str()));
+  while (*rest == ' ') ++rest;
+  if (!first.empty() && std::isfinite(number) && std::isalpha(static_cast<unsigned char>(*rest)))
+    return fmt::format("a unit stands in brackets: {}[{}]", first, rest);
+  return "write a number or one of the words P1, P2, ...";
+}
+
+} // namespace
+
 /// What a parameter is set to from outside.
 Value Parameters::defined_value(const ast::Param& param) {
   const std::string& text = options_.defines.at(param.name.text);
@@ -74,7 +92,7 @@ Value Parameters::defined_value(const ast::Param& param) {
   mistakes_.error(
       "E0321", Span{},
       fmt::format("{}{}={}: `{}` is no number", options_.words.define, param.name.text, text, text),
-      "write a number or one of the words P1, P2, ...");
+      help_for_value(text));
   return Poison{};
 }
 

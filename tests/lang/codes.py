@@ -53,6 +53,8 @@ def main():
             check(f"{command}: E0320 of an unknown parameter", told(done, "E0320", exit_code, "`cells`"), done)
             done = call(command, "slab.hvi", "-D", "n=banana")
             check(f"{command}: E0321 of what is no number", told(done, "E0321", exit_code, "`banana`"), done)
+        done = call("check", "slab.hvi", "-D", "n=7 MPa")
+        check("a unit without brackets", told(done, "E0321", 1, "a unit stands in brackets: 7[MPa]"), done)
 
         done = call("run", "slab.hvi", "--no-files", "--accuracy", "1e-2", "--of", "nothing")
         check("the columns whose accuracy can be asked for", told(done, "E0423", 1, "has: u_y, u_x, strain, reaction\n"), done)

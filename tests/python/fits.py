@@ -139,6 +139,13 @@ class Fits(unittest.TestCase):
                                    ({"stiffness": 1}, {"u_x": (t, t[:1])}, "same length"), ({"stiffness": 1}, {"u_x": (t, t * np.nan)}, "number")):
             with self.assertRaisesRegex((KeyError, ValueError), said):
                 MODEL.fit(params, data)
+        with self.assertRaisesRegex(ValueError, "no parameters"):
+            MODEL.fit({}, {"u_x": (t, t)})
+        with self.assertRaisesRegex(ValueError, "no measured curves"):
+            MODEL.fit({"stiffness": 1}, {})
+        for wrong in (hvi.fit, lambda model, *_: hvi.sweep(model, n=[2])):
+            with self.assertRaisesRegex(TypeError, "a model is loaded first"):
+                wrong("slab.hvi", {"stiffness": 1}, {"u_x": (t, t)})
 
 
 def curves_of(text):

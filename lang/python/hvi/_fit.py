@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _hvi
 from ._errors import Error
-from ._model import Model
+from ._model import Model, as_model
 from ._result import Array, Result
 
 if TYPE_CHECKING:
@@ -282,7 +282,10 @@ def fit(model: Model, params: Mapping[str, Start], data: Mapping[str, Sequence[A
     from scipy.optimize import least_squares
     from scipy.stats import t as student
 
-    unknowns, curves = _Unknowns(model, params), _Curves(model, data)
+    for what, given in (("parameters to find", params), ("measured curves", data)):
+        if not given:
+            raise ValueError(f"there are no {what}")
+    unknowns, curves = _Unknowns(as_model(model), params), _Curves(model, data)
     if len(curves) <= len(params):
         raise ValueError(f"{len(curves)} values do not determine {len(params)} parameters and their errors")
     problem = _Problem(model, unknowns, curves, progress or (lambda runs, squares: None))

@@ -223,6 +223,12 @@ class Model:
         return fit(self, params, data, **more)
 
 
+def as_model(model: Any) -> Model:
+    if not isinstance(model, Model):
+        raise TypeError(f"a model is loaded first, as hvi.load('slab.hvi'): this is {model!r}")
+    return model
+
+
 def program() -> str:
     """Where hvi-run is: beside this package in the build tree or where it is installed, else on the path."""
     package = pathlib.Path(_hvi.__file__).resolve().parent

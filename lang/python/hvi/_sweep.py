@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Optional, Union
 import numpy as np
 
 from ._errors import Error
-from ._model import Model, Value
+from ._model import Model, Value, as_model
 from ._result import Array, Result
 
 if TYPE_CHECKING:
@@ -126,6 +126,7 @@ def sweep(model: Model, *, processes: Optional[int] = None, progress: Union[bool
     results: keep every Result (`sweep.results`), with its fields. Each run has the bits it has by itself. A run that fails is
     in `errors`, the others go on; a mistake of the script that is there for all runs was raised when the model was loaded.
     """
+    as_model(model)
     all_params = combinations(ladders)
     tell = _Bar(len(all_params)) if progress is True else progress or (lambda done, total: None)
     workers = _Processes()
