@@ -16,7 +16,7 @@ ast::Import DeclarationParser::import_statement() {
     cursor_.fail(diagnose("E0201", cursor_.peek().span,
                           "expected the end of the statement, " + cursor_.found(cursor_.peek()))
                      .with_label("expected the end of the statement")
-                     .with_help(dot ? "a file stands in quotes: `import \"laws.hvi\"`"
+                     .with_help(dot ? "the name of a file stands in quotes"
                                     : "each module has its own `import`"));
   result.span = cursor_.span_from(result.keyword);
   return result;

@@ -152,7 +152,7 @@ void Cursor::fail_on_known_slip() {
   const Token& token = peek();
   if (at_decimal_comma()) fail_decimal_comma();
   if (token.kind == TokenKind::dot && peek(1).kind == TokenKind::number && glued(token, peek(1)))
-    fail(diagnose("E0201", token.span, "expected a digit before `.`")
+    fail(diagnose("E0201", join(token.span, peek(1).span), "expected a digit before `.`")
              .with_help("write `0." + std::string(text(peek(1))) + "`"));
   if (is_closing(token.kind) && open_.empty())
     fail(diagnose("E0205", token.span, "this " + std::string(text(token)) + " closes nothing")
