@@ -252,12 +252,12 @@ private:
   void add_facet(std::size_t f) {
     const int facet = region_.entities[f];
     const Point direction = first_.direction(f);
-    auto meetings = second_.meet(facet, direction, rule_);
+    auto [meetings, shared_by_layers] = second_.meet(facet, direction, rule_);
     if (meetings.empty()) return;
+    if (shared_by_layers > 1e-6) throw twice(f);
     const double covered =
         std::accumulate(meetings.begin(), meetings.end(), 0.0,
                         [](double sum, const Meeting& m) { return sum + m.weight; });
-    if (covered > 1.0 + 1e-6) throw twice(f);
     // On triangles, and on parts of intervals, the corners' shape functions of order 2 are not
     // positive on average.
     const bool all = covered > 1.0 - whole;

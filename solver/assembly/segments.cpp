@@ -4,6 +4,7 @@
 #include "solver/assembly/segments.hpp"
 
 #include "solver/common/triples.hpp"
+#include "solver/fem/geometry.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +14,16 @@ namespace {
 
 constexpr double facing = -0.1;   ///< cosine: facets seen under less are not looked at
 constexpr double nothing = 1e-14; ///< a share of a facet
+/// Sides that touch are this near to each other, in sizes of a facet.
+constexpr double touching = 1e-6;
+/// Where the way from a side to what is behind it is looked at, and how many bodies are there: two
+/// between sides that are pressed into each other, one beyond either of them.
+struct Look {
+  double part;
+  int bodies;
+};
+constexpr double slack = 1e-9; ///< of barycentric coordinates
+constexpr Look looks[] = {{-0.5, 1}, {0.05, 2}, {0.95, 2}, {1.5, 1}};
 
 struct Flat {
   double a = 0.0, b = 0.0;
@@ -87,6 +98,44 @@ double share_of(int dim, const std::array<Flat, 3>& s) {
   return dim == 2 ? s[1].a - s[0].a : std::abs(doubled_area(s[0], s[1], s[2]));
 }
 
+/// A simplex in which the facet meets one of the second side.
+struct Piece {
+  int facet = 0;
+  std::array<Flat, 3> simplex;
+};
+
+double common_share(int dim, const Piece& p, const Piece& q) {
+  const auto &s = p.simplex, &t = q.simplex;
+  if (dim == 2) return std::max(0.0, std::min(s[1].a, t[1].a) - std::max(s[0].a, t[0].a));
+  std::vector<Flat> polygon(s.begin(), s.end());
+  const double sign = doubled_area(t[0], t[1], t[2]) < 0.0 ? -1.0 : 1.0;
+  for (std::size_t k = 0; k < 3; ++k)
+    clip(polygon, [&](const Flat& x) { return sign * doubled_area(t[k], t[(k + 1) % 3], x); });
+  double sum = 0.0;
+  for (std::size_t i = 2; i < polygon.size(); ++i)
+    sum += std::abs(doubled_area(polygon[0], polygon[i - 1], polygon[i]));
+  return sum;
+}
+
+/// What pieces of different facets have in common: of one layer nothing.
+double share_of_two_layers(int dim, std::vector<Piece>& pieces) {
+  const auto corners = static_cast<std::ptrdiff_t>(dim);
+  const auto ends = [&](const Piece& p) {
+    const auto [low, high] =
+        std::minmax_element(p.simplex.begin(), p.simplex.begin() + corners,
+                            [](const Flat& x, const Flat& y) { return x.a < y.a; });
+    return std::pair(low->a, high->a);
+  };
+  std::ranges::sort(pieces, {}, [&](const Piece& p) { return ends(p).first; });
+  double sum = 0.0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const double past = ends(pieces[i]).second;
+    for (std::size_t j = i + 1; j < pieces.size() && ends(pieces[j]).first < past; ++j)
+      if (pieces[i].facet != pieces[j].facet) sum += common_share(dim, pieces[i], pieces[j]);
+  }
+  return sum;
+}
+
 Flat at(int dim, const std::array<Flat, 3>& simplex, const Barycentric& point) {
   Flat out;
   for (int k = 0; k < dim; ++k) {
@@ -159,8 +208,50 @@ Box SecondSide::box_around(std::span<const Point> corners, const Point& sweep) c
   return out;
 }
 
-std::vector<Meeting> SecondSide::meet(int facet, const Point& direction,
-                                      const Quadrature& rule) const {
+/// How many bodies a point is in, as far as two: cells of two have no node in common.
+int SecondSide::bodies_at(const Point& x) const {
+  std::vector<std::int32_t> found;
+  cells_->for_each_meeting({x, x}, [&](std::int32_t cell) {
+    const Barycentric b = barycentric_in_cell(*mesh_, cell, x);
+    if (std::all_of(b.begin(), b.begin() + mesh_->dim + 1, [](double v) { return v >= -slack; }))
+      found.push_back(cell);
+  });
+  const auto corners = [&](std::int32_t cell) {
+    return std::span(mesh_->cells[static_cast<std::size_t>(cell)])
+        .first(static_cast<std::size_t>(mesh_->dim) + 1);
+  };
+  for (const auto p : found)
+    for (const auto q : found)
+      if (std::ranges::none_of(corners(p), [&](std::int32_t node) {
+            return std::ranges::find(corners(q), node) != corners(q).end();
+          }))
+        return 2;
+  return found.empty() ? 0 : 1;
+}
+
+/// Behind a side is the body that it is pressed into, as far as it is; else there are only far
+/// sides: of its own body, and of others through that one.
+bool SecondSide::is_through_bodies(const Point& from, const Point& direction, double distance,
+                                   double size) {
+  if (distance >= -touching * size) return false;
+  if (!cells_) {
+    std::vector<Box> boxes;
+    for (std::size_t c = 0; c < mesh_->cells.size(); ++c) {
+      Box box = box_of(*mesh_, static_cast<std::int32_t>(c));
+      const double margin = 4.0 * slack * box.diagonal();
+      for (std::size_t a = 0; a < 3; ++a) box.low[a] -= margin, box.high[a] += margin;
+      boxes.push_back(box);
+    }
+    cells_.emplace(std::move(boxes));
+  }
+  return std::ranges::any_of(looks, [&](const Look& look) {
+    Point x = from;
+    for (std::size_t a = 0; a < 3; ++a) x[a] += look.part * distance * direction[a];
+    return bodies_at(x) < look.bodies;
+  });
+}
+
+Meetings SecondSide::meet(int facet, const Point& direction, const Quadrature& rule) {
   const int dim = mesh_->dim;
   const Frame frame(*mesh_, facet, direction);
   std::array<Point, 3> own{};
@@ -172,7 +263,9 @@ std::vector<Meeting> SecondSide::meet(int facet, const Point& direction,
   tree_->for_each_meeting(box_around({own.data(), static_cast<std::size_t>(dim)}, sweep),
                           [&](std::int32_t i) { near.push_back(i); });
   std::ranges::sort(near); // whatever the tree looks like
-  std::vector<Meeting> out;
+  const double size = norm(minus(own[1], own[0]));
+  Meetings out;
+  std::vector<Piece> pieces;
   for (const auto i : near) {
     const int other = facets_[static_cast<std::size_t>(i)];
     if (!(dot(facet_normal(*mesh_, other), direction) < facing)) continue;
@@ -186,7 +279,14 @@ std::vector<Meeting> SecondSide::meet(int facet, const Point& direction,
       };
       const Barycentric centre{1.0 / dim, 1.0 / dim, dim == 3 ? 1.0 / dim : 0.0};
       const Flat middle = at(dim, simplex, centre);
-      if (!(std::abs(distance_at(coordinates_in(dim, corners, middle))) <= reach_)) continue;
+      const double distance = distance_at(coordinates_in(dim, corners, middle));
+      if (!(std::abs(distance) <= reach_)) continue;
+      Point from = own[0];
+      for (std::size_t a = 0; a < 3; ++a)
+        from[a] += middle.a * (own[1][a] - own[0][a]) +
+                   (dim == 3 ? middle.b * (own[2][a] - own[0][a]) : 0.0);
+      if (is_through_bodies(from, direction, distance, size)) continue;
+      pieces.push_back({i, simplex});
       for (std::size_t q = 0; q < rule.size(); ++q) {
         const Flat p = at(dim, simplex, rule.points[q]);
         Meeting meeting;
@@ -195,10 +295,11 @@ std::vector<Meeting> SecondSide::meet(int facet, const Point& direction,
         meeting.facet = i;
         meeting.weight = rule.weights[q] * share_of(dim, simplex);
         meeting.distance = distance_at(meeting.second);
-        out.push_back(meeting);
+        out.points.push_back(meeting);
       }
     }
   }
+  out.twice = share_of_two_layers(dim, pieces);
   return out;
 }
 

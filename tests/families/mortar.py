@@ -104,6 +104,28 @@ def barycentric_in(corners, at):
     return 1 - a - b, a, b
 
 
+def bodies_at(mesh, place):
+    """How many bodies a place is in, as far as two: cells of two have no corner in common."""
+    homes = []
+    for cell in mesh.cells:
+        x = mesh.points[cell]
+        if np.any(place < x.min(0) - 1e-6) or np.any(place > x.max(0) + 1e-6):
+            continue
+        b = np.linalg.solve((x[1:] - x[0]).T, place - x[0])
+        if min(b.min(), 1 - b.sum()) >= -1e-9:
+            homes.append(set(cell))
+    return 2 if any(not p & q for p in homes for q in homes) else min(len(homes), 1)
+
+
+def through_bodies(solid, facet, b, direction, distance):
+    """Is what is behind a facet there for another reason than that two bodies are pressed into each other?"""
+    x = solid.mesh.points[list(facet)]
+    if distance >= -1e-6 * np.linalg.norm(x[1] - x[0]):
+        return False
+    place = lambda part: np.asarray(b) @ x + part * distance * direction
+    return any(bodies_at(solid.mesh, place(part)) < n for part, n in ((-0.5, 1), (0.05, 2), (0.95, 2), (1.5, 1)))
+
+
 def meetings(solid, facet, direction, second, reach):
     """(first barycentric, second facet, its barycentric, weight as a share, distance)."""
     dim, x = solid.dim, solid.mesh.points[list(facet)]
@@ -119,7 +141,8 @@ def meetings(solid, facet, direction, second, reach):
             continue
         total = sum(w for _, w in found)
         middle = sum(w * np.array(b) for b, w in found) / total
-        if abs(np.dot(barycentric_in(flat, middle), images[:, -1])) > reach:
+        distance = np.dot(barycentric_in(flat, middle), images[:, -1])
+        if abs(distance) > reach or through_bodies(solid, facet, middle, direction, distance):
             continue
         for b, w in found:
             its = barycentric_in(flat, b)

@@ -180,6 +180,66 @@ TEST(PairsOfSides, LieOverEachOtherOnce) {
   EXPECT_EQ(make_pairing(space, region, space.order).x.size(), 3u);
 }
 
+/// Two layers over one small part of a facet, which are less than the facet together.
+TEST(PairsOfSides, LieOnceOverPartsOfFacets) {
+  for (const int dim : {2, 3}) {
+    const auto box = [&](double left, double right, double low, double high) {
+      return structured_mesh(
+          dim, {uniform_coordinates(left, right, 1), uniform_coordinates(low, high, 1),
+                dim == 3 ? uniform_coordinates(0.1, 0.5, 1) : std::vector<double>{}});
+    };
+    for (const double left : {0.3, 0.7}) { // over each other, and side by side
+      const std::vector<Mesh> meshes{box(0, 2, 1, 2), box(0.2, 0.7, 0.5, 1), box(left, 1, -1, 0)};
+      const std::vector<std::string> names{"a", "b", "c"};
+      const Mesh mesh = side_by_side(meshes, names);
+      const Space space = make_space(mesh, 1, dim);
+      Region region{Group::Kind::facets, mesh.groups.at("a.bottom").entities, 0,
+                    mesh.groups.at("b.top").entities, 3.0};
+      const auto& under = mesh.groups.at("c.top").entities;
+      region.second.insert(region.second.end(), under.begin(), under.end());
+      if (left < 0.7) {
+        EXPECT_THROW(make_pairing(space, region, space.order), Failure) << dim;
+        continue;
+      }
+      const Pairing pairing = make_pairing(space, region, space.order);
+      const double sum = std::accumulate(pairing.weight.begin(), pairing.weight.end(), 0.0);
+      EXPECT_NEAR(sum, dim == 3 ? 0.8 * 0.4 : 0.8, 1e-13);
+    }
+  }
+}
+
+/// The whole boundaries of two flat bodies, apart or pressed in: the far sides of both face each
+/// other, too, but for the bodies between them.
+TEST(PairsOfSides, DoNotMeetThroughBodies) {
+  for (const int dim : {2, 3})
+    for (const double gap : {0.01, 0.0, -0.01}) {
+      const auto depth = dim == 3 ? uniform_coordinates(0, 2, 2) : std::vector<double>{};
+      const std::vector<Mesh> meshes{
+          structured_mesh(
+              dim, {uniform_coordinates(0.4, 1.6, 3), uniform_coordinates(0, 0.2, 2), depth}),
+          structured_mesh(dim, {uniform_coordinates(0, 2, 5),
+                                uniform_coordinates(-0.3 - gap, -gap, 1), depth})};
+      const std::vector<std::string> names{"block", "plate"};
+      const Mesh mesh = side_by_side(meshes, names);
+      const Space space = make_space(mesh, 1, dim);
+      const auto pairing = [&](const char* first, const char* second) {
+        return make_pairing(space,
+                            {Group::Kind::facets, mesh.groups.at(first).entities, 0,
+                             mesh.groups.at(second).entities, 5.0},
+                            space.order);
+      };
+      const Pairing all = pairing("block.boundary", "plate.boundary");
+      const Pairing sides = pairing("block.bottom", "plate.top");
+      ASSERT_EQ(all.x.size(), sides.x.size());
+      for (std::size_t p = 0; p < all.x.size(); ++p) EXPECT_NEAR(all.gap[p], gap, 1e-14);
+      EXPECT_NEAR(std::accumulate(all.weight.begin(), all.weight.end(), 0.0),
+                  std::accumulate(sides.weight.begin(), sides.weight.end(), 0.0), 1e-13);
+      EXPECT_EQ(pairing("plate.boundary", "block.boundary").x.size(),
+                pairing("plate.top", "block.bottom").x.size());
+      EXPECT_THROW(pairing("block.bottom", "block.top"), Failure);
+    }
+}
+
 /// A corner is a point of each of its sides, with the normal of that side.
 TEST(PairsOfSides, KeepNormalsAtCreases) {
   const auto lines = [](double low, double high) { return uniform_coordinates(low, high, 2); };
