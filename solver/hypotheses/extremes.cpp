@@ -180,33 +180,54 @@ GramForm::GramForm(SparseMatrix g) : g_(std::move(g)), factorisation_(analyse(g_
 
 namespace {
 
-/// Unknowns with an entry in their row.
+/// Unknowns with an entry that is not 0 in their row or in their column.
 std::vector<int> support(const SparseMatrix& k) {
-  std::vector<int> out;
+  std::vector<bool> has(static_cast<std::size_t>(k.rows()), false);
   for (int i = 0; i < k.outerSize(); ++i)
-    if (SparseMatrix::InnerIterator(k, i)) out.push_back(i);
+    for (SparseMatrix::InnerIterator it(k, i); it; ++it) {
+      if (it.value() == 0.0) continue;
+      has[static_cast<std::size_t>(it.row())] = has[static_cast<std::size_t>(it.col())] = true;
+    }
+  std::vector<int> out;
+  for (std::size_t i = 0; i < has.size(); ++i)
+    if (has[i]) out.push_back(static_cast<int>(i));
   return out;
 }
 
-/// Largest eigenvalue of a form on few unknowns I: that of K_II (G^-1)_II. (The Krylov space of the
-/// whole matrix has no more dimensions than the rank of K.)
-double largest_on(const GramForm& gram, const SparseMatrix& k, const std::vector<int>& on) {
-  const auto r = static_cast<Eigen::Index>(on.size());
-  DenseMatrix inverse(r, r), form(r, r);
-  Vector unit = Vector::Zero(k.rows()), column;
-  for (Eigen::Index j = 0; j < r; ++j) {
-    unit[on[j]] = 1.0;
-    gram.solve(unit, column);
-    unit[on[j]] = 0.0;
-    for (Eigen::Index i = 0; i < r; ++i) {
-      inverse(i, j) = column[on[i]];
-      form(i, j) = k.coeff(on[i], on[j]);
+/// A form on few unknowns I. (The Krylov space of the whole matrix has no more dimensions than the
+/// rank of K.)
+class FormOnSome {
+public:
+  FormOnSome(const GramForm& gram, const SparseMatrix& k, const std::vector<int>& on) {
+    const auto r = static_cast<Eigen::Index>(on.size());
+    inverse_.resize(r, r), form_.resize(r, r);
+    Vector unit = Vector::Zero(k.rows()), column;
+    for (Eigen::Index j = 0; j < r; ++j) {
+      unit[on[j]] = 1.0;
+      gram.solve(unit, column);
+      unit[on[j]] = 0.0;
+      for (Eigen::Index i = 0; i < r; ++i) {
+        inverse_(i, j) = column[on[i]];
+        form_(i, j) = k.coeff(on[i], on[j]);
+      }
     }
   }
-  // K y = lambda G_c y with G_c = ((G^-1)_II)^-1, the condensed Gram matrix.
-  const DenseMatrix condensed = solve_positive(inverse, DenseMatrix::Identity(r, r));
-  return generalised_eigenvalues(form, 0.5 * (condensed + condensed.transpose()))[r - 1];
-}
+  /// Of K y = lambda G_c y with G_c = ((G^-1)_II)^-1, the condensed Gram matrix.
+  double largest() const { return largest_of(form_); }
+  /// Of K^T G^-1 K in the place of K, whose entries are on I, too.
+  double largest_square() const {
+    return largest_of(DenseMatrix(form_.transpose() * inverse_ * form_));
+  }
+
+private:
+  double largest_of(const DenseMatrix& form) const {
+    const Eigen::Index r = inverse_.rows();
+    const DenseMatrix condensed = solve_positive(inverse_, DenseMatrix::Identity(r, r));
+    return generalised_eigenvalues(form, 0.5 * (condensed + condensed.transpose()))[r - 1];
+  }
+
+  DenseMatrix inverse_, form_; ///< (G^-1)_II, K_II
+};
 
 } // namespace
 
@@ -222,10 +243,11 @@ std::optional<double> GramForm::least(const SparseMatrix& k, double below) const
 
 std::optional<double> GramForm::largest(const SparseMatrix& k) const {
   const SparseMatrix s = symmetric_part(k);
-  if (s.nonZeros() == 0) return 0.0;
+  const auto on = support(s);
+  if (on.empty()) return 0.0;
   if (s.rows() <= dense_size) return dense_spectrum(s, g_)[s.rows() - 1];
-  if (const auto on = support(s); static_cast<int>(on.size()) <= dense_size)
-    return std::max(0.0, largest_on(*this, s, on));
+  if (static_cast<int>(on.size()) <= dense_size)
+    return std::max(0.0, FormOnSome(*this, s, on).largest());
   const auto direct = extreme(
       *this, [&](const Vector& x) -> Vector { return s * x; }, Spectra::SortRule::LargestAlge);
   if (direct) return direct;
@@ -234,12 +256,16 @@ std::optional<double> GramForm::largest(const SparseMatrix& k) const {
 }
 
 std::optional<double> GramForm::norm(const SparseMatrix& e) const {
+  const auto on = support(e);
+  if (on.empty()) return 0.0;
   const SparseMatrix transposed = e.transpose();
   if (e.rows() <= dense_size) { // the iteration wants two unknowns at least
     const DenseMatrix dense(g_), half = DenseCholesky(dense).solve_lower(DenseMatrix(e));
     const DenseMatrix square = half.transpose() * half; // E^T G^-1 E
     return std::sqrt(std::max(0.0, generalised_eigenvalues(square, dense)[e.rows() - 1]));
   }
+  if (static_cast<int>(on.size()) <= dense_size)
+    return std::sqrt(std::max(0.0, FormOnSome(*this, e, on).largest_square()));
   const auto square = extreme(
       *this,
       [&](const Vector& x) -> Vector {

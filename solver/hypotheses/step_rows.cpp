@@ -58,6 +58,7 @@ void Judgement::bound_steps() {
   const double k = c().longest_step, room = std::max({m.paper, m.largest, m.split});
   const double script = c().m_J == 0.0 ? c().m_B : c().m_B - c().m_J * c().norm_script;
   const auto bound = [&](double numerator) {
+    if (std::isnan(product_)) return not_a_number;
     return numerator <= 0.0 ? 0.0 : product_ > 0.0 ? numerator / product_ : infinity;
   };
   out_.tau_0 = {{"m_B / (c_E c_q)", bound(c().m_B)},

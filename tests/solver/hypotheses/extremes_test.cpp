@@ -85,6 +85,25 @@ TEST(Extremes, TheTraceOfAChain) {
   SparseMatrix trace(n, n);
   trace.insert(n - 1, n - 1) = 1.0;
   EXPECT_NEAR(*gram.largest(trace), n, 1e-9 * n);
+  EXPECT_NEAR(*gram.norm(trace), n, 1e-9 * n);
+}
+
+/// Analytic: forms on one and two unknowns, whose Krylov spaces end at once, symmetric or not, and
+/// the form of what only laws read, which is none. One unknown that drives the end of the chain:
+/// |e_j e_i^T| = |e_i| |e_j|, the roots of i and j in their norms.
+TEST(Extremes, NormsOfFormsOnFewUnknowns) {
+  const int n = 300;
+  const GramForm gram(chain(std::vector<double>(n, 1.0)));
+  SparseMatrix form(n, n);
+  ASSERT_TRUE(gram.norm(form));
+  EXPECT_EQ(*gram.norm(form), 0.0);
+  form.insert(n - 1, 99) = 0.0; // a pattern alone
+  ASSERT_TRUE(gram.norm(form) && gram.largest(form));
+  EXPECT_EQ(*gram.norm(form), 0.0);
+  EXPECT_EQ(*gram.largest(form), 0.0);
+  form.coeffRef(n - 1, 99) = 3.0;
+  ASSERT_TRUE(gram.norm(form));
+  EXPECT_NEAR(*gram.norm(form), 3.0 * std::sqrt(100.0 * n), 1e-7 * n);
 }
 
 /// Independent: Eigen's dense solver on a random unsymmetric form.
