@@ -26,8 +26,12 @@ bool reads_values(const LoadTerm& load) {
                              [](const LoadTerm::Entry& entry) { return is_value(entry.test); });
 }
 
+const Expr& placing_rate(const StateTerm& state) {
+  return state.placed_by ? *state.placed_by : state.rate;
+}
+
 bool reads_values(const StateTerm& state) {
-  const auto slots = state.rate.slots();
+  const auto slots = placing_rate(state).slots();
   return std::ranges::any_of(
       slots, [](Slot s) { return slot::is_field(s) && !slot::is_field_gradient(s); });
 }
@@ -52,8 +56,9 @@ Rule rule_of(const Problem& problem, int order, int part) {
 bool reads_uniform_states_only(const Problem& problem, const FormTerm& form) {
   return std::ranges::all_of(form.entries, [&](const FormTerm::Entry& entry) {
     return std::ranges::all_of(entry.coefficient.slots(), [&](Slot s) {
-      return !slot::is_state(s) ||
-             is_uniform(problem.states[static_cast<std::size_t>(s - slot::first_state)]);
+      if (!slot::is_state(s)) return true;
+      const auto& state = problem.states[static_cast<std::size_t>(s - slot::first_state)];
+      return is_uniform(state) && placing_rate(state).is_constant();
     });
   });
 }

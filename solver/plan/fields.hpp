@@ -93,8 +93,9 @@ inline auto fields_of(const LawTerm& of) {
                rows] = of;
   return std::tie(name, law, part, field, unknown, mean, seen, rule, rule_of, effect, factor, rows);
 }
+/// Without `placed_by`, which a run gives to its start.
 inline auto fields_of(const StateTerm& of) {
-  const auto& [origin, name, part, rate, initial, low, high] = of;
+  const auto& [origin, name, part, rate, initial, low, high, placed_by] = of;
   return std::tie(name, part, rate, initial, low, high);
 }
 /// Without `start`, which follows from Plan::start.

@@ -247,6 +247,9 @@ struct StateTerm {
   Expr initial; ///< of slot::x
   double low = -std::numeric_limits<double>::infinity(),
          high = std::numeric_limits<double>::infinity();
+  /// Inside a body it lives where this rate needs it, if that is not its own one: in the start of a
+  /// run, where states stand still, at the points of the run.
+  std::optional<Expr> placed_by{};
 };
 
 /// ---- time --------------------------------------------------------------------------------------

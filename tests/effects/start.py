@@ -5,7 +5,7 @@
 - The same where laws see sums of u and its rate, and vectors of which some components move: the force against the law's slope at the argument that is printed, and against the load.
 - Reactions where forms change in time, in every scheme with mass: with loads and inertia they add up to zero.
 - Forms that change in time against the same ones without time, with coefficients that vary in space, and laws on the same cells.
-- What follows a static start: creep with a memory against the scalar equation it is, rest where nothing changes, with mass too.
+- What follows a static start: creep with a memory against the scalar equation it is, rest where nothing changes, with mass too; of bodies with states in their forms, of revolution as well, by the rules of each.
 - Columns with a time of their own in the first step: what the rows of its ends say, where the initial state is known.
 - Tables and fields `from start`: the rows of the steps are the same bytes, what is not known is empty, resumed runs are the same.
 - `from u = static` where the only laws at the points of states see rates, and where bounds and sources read the multipliers of such laws: the first row against a static script without them. The same laws times 0.
@@ -13,6 +13,7 @@
 - Stiffness and viscosity that change in time, random scenes: each step against a script without time.
 """
 import csv
+import itertools
 import json
 import math
 import pathlib
@@ -143,6 +144,39 @@ such that for all v in V
 report
   table u = u at [1, 0], bed = bed.xi at [1, 0], rub = rub.xi at [1, 0], roof = reaction(roof), ground = reaction(ground) from start
 """
+
+
+STILL = """mesh body = rectangle(1, 0.5, cells = [4, 2]{more})
+part roof = body.top
+part rim = body.right
+tensor A = isotropic(lambda = 5, mu = 10)
+tensor B = isotropic(young = 100, poisson = 0.3)
+state d on body with rate {rate} from d = {initial} in [0, 0.9]
+space V = vector {element} on body, zero on roof
+find u in V for t in [0, 0.2] by 4 steps from u = static using scheme = {scheme}
+such that for all v in V
+    {mass}integral(body, A : eps(u') : eps(v)) + integral(body, (1 - d)*{factor}*B : eps(u) : eps(v)){bed}
+  = integral(rim, dot([{pull}, 3], v))
+report
+  table a = u.x at [1, 0], b = u.y at [0.5, 0], rate = largest(body, norm(u')), x = u.x at [0.5, 0.25], held = reaction(roof) from start
+"""
+
+
+def check_rest_of_states(folder):
+    """States that nothing moves, whatever their rates read: the start is a balance of the very forms of the steps, whose rules depend on what rates read."""
+    schemes = [("bdf2", ""), ("newmark", "integral(body, 0.5*dot(u'', v)) + ")]
+    choices = itertools.product(["", ", axisymmetric = true"], ["P1", "P2"], ["max(0, norm(eps(u)) - 100)", "max(0, abs(u.y) - 100)"],
+                                ["0.2", "0.2 + 0.3*x*y"], ["", " + integral(body, (1 + d)*30*dot(u, v))"])
+    for k, (more, element, rate, initial, bed) in enumerate(choices):
+        scheme, mass = schemes[k % 2]
+        what = f"{more} {element} {rate} {initial} {bed} {scheme}"
+        run(folder, STILL.format(more=more, element=element, rate=rate, scheme=scheme, mass=mass, initial=initial, bed=bed, factor="(1 + 0.7*x^3)", pull=8))
+        found = rows(folder)
+        assert len(found) == 5
+        for row in found[1:]:
+            for name in ("a", "b", "x", "held_x", "held_y"):
+                near(row[name], found[0][name], max(abs(found[0][name]), 0.01), f"{name} of {what}", 1e-9)
+            near(row["rate"], 0, abs(found[0]["a"]), f"rate of {what}", 1e-7)
 
 
 def check_sums(folder, scenes=30):
@@ -516,7 +550,7 @@ def check_notes_of_changing_forms(folder):
 
 
 def main():
-    for check in (check_changing_reactions, check_changing_quadrature, check_static_start, check_sums, check_creep, check_rest, check_refusals, check_rows, check_laws_at_rest, check_between_steps, check_columns_of_the_start, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
+    for check in (check_changing_reactions, check_changing_quadrature, check_static_start, check_sums, check_creep, check_rest, check_rest_of_states, check_refusals, check_rows, check_laws_at_rest, check_between_steps, check_columns_of_the_start, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
             print("ok", check.__name__)
