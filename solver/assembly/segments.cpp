@@ -145,6 +145,25 @@ Flat at(int dim, const std::array<Flat, 3>& simplex, const Barycentric& point) {
   return out;
 }
 
+/// The middle of a facet of the second side.
+Flat middle_of(int dim, const std::array<Point, 3>& corners) {
+  Flat out;
+  for (int k = 0; k < dim; ++k) {
+    out.a += corners[static_cast<std::size_t>(k)][0] / dim;
+    out.b += corners[static_cast<std::size_t>(k)][1] / dim;
+  }
+  return out;
+}
+
+/// The place of p on a facet with these corners.
+Point point_at(int dim, const std::array<Point, 3>& corners, const Flat& p) {
+  Point out = corners[0];
+  for (std::size_t a = 0; a < 3; ++a)
+    out[a] += p.a * (corners[1][a] - corners[0][a]) +
+              (dim == 3 ? p.b * (corners[2][a] - corners[0][a]) : 0.0);
+  return out;
+}
+
 /// Barycentric coordinates of p in the simplex with these corners.
 Barycentric coordinates_in(int dim, const std::array<Point, 3>& corners, const Flat& p) {
   if (dim == 2) {
@@ -264,6 +283,7 @@ Meetings SecondSide::meet(int facet, const Point& direction, const Quadrature& r
                           [&](std::int32_t i) { near.push_back(i); });
   std::ranges::sort(near); // whatever the tree looks like
   const double size = norm(minus(own[1], own[0]));
+  const Flat middle_of_first{1.0 / dim, dim == 3 ? 1.0 / dim : 0.0};
   Meetings out;
   std::vector<Piece> pieces;
   for (const auto i : near) {
@@ -279,13 +299,16 @@ Meetings SecondSide::meet(int facet, const Point& direction, const Quadrature& r
       };
       const Barycentric centre{1.0 / dim, 1.0 / dim, dim == 3 ? 1.0 / dim : 0.0};
       const Flat middle = at(dim, simplex, centre);
-      const double distance = distance_at(coordinates_in(dim, corners, middle));
-      if (!(std::abs(distance) <= reach_)) continue;
-      Point from = own[0];
-      for (std::size_t a = 0; a < 3; ++a)
-        from[a] += middle.a * (own[1][a] - own[0][a]) +
-                   (dim == 3 ? middle.b * (own[2][a] - own[0][a]) : 0.0);
-      if (is_through_bodies(from, direction, distance, size)) continue;
+      const auto apart_at = [&](const Flat& p) {
+        return distance_at(coordinates_in(dim, corners, p));
+      };
+      if (!(std::abs(apart_at(middle)) <= reach_)) continue;
+      // At an edge of the bodies the way may leave them: in the middle of either facet it does not.
+      const Flat places[] = {middle, middle_of_first, middle_of(dim, corners)};
+      if (std::ranges::all_of(places, [&](const Flat& p) {
+            return is_through_bodies(point_at(dim, own, p), direction, apart_at(p), size);
+          }))
+        continue;
       pieces.push_back({i, simplex});
       for (std::size_t q = 0; q < rule.size(); ++q) {
         const Flat p = at(dim, simplex, rule.points[q]);

@@ -141,8 +141,10 @@ def meetings(solid, facet, direction, second, reach):
             continue
         total = sum(w for _, w in found)
         middle = sum(w * np.array(b) for b, w in found) / total
-        distance = np.dot(barycentric_in(flat, middle), images[:, -1])
-        if abs(distance) > reach or through_bodies(solid, facet, middle, direction, distance):
+        apart = lambda at: np.dot(barycentric_in(flat, at), images[:, -1])
+        centre = flat.mean(0)
+        places = [middle, (1 / dim,) * dim, (1 - centre.sum(), *centre)]  # at an edge of the bodies the way may leave them
+        if abs(apart(middle)) > reach or all(through_bodies(solid, facet, at, direction, apart(at)) for at in places):
             continue
         for b, w in found:
             its = barycentric_in(flat, b)
