@@ -39,9 +39,10 @@ void Judgement::judge_steps() {
                      : facts_.states         ? "with the forms of the initial time and states"
                                              : "all steps have one matrix";
   if (steps_.steps.size() > 1)
-    note = fmt::format("K of step {} (t = {:.6g}), the worst of {} different ones{}", n,
+    note = fmt::format("K of step {} (t = {:.6g}), the worst of {} different ones{}{}", n,
                        problem_.time.grid[n], steps_.steps.size(),
-                       worst.within_budget ? "" : "; a bound for all of them");
+                       worst.within_budget ? "" : "; a bound for all of them",
+                       facts_.states ? ", with the forms of the initial time and states" : "");
   row("step", "1 - lambda_max(sum m_i M_i^T W M_i, sym K)", out_.margins.step,
       positive(out_.margins.step), worst_law(), note);
   out_.usable = not_a_number;

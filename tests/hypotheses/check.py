@@ -369,6 +369,12 @@ with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
 row = says(check(root / "tests/published/coulomb_patch.hvi"), "H(J)", "`grip` is Lipschitz in the multiplier")
 close(row["value"], 1)
 
+# Of forms that change in time the margins are those of the initial time, also where the steps have several matrices (analytic: K = 0.001/k + 1, of the first one).
+report = bar("integral(bar, 0.001*dot(grad(u'), grad(v))) + integral(bar, (1 - 0.9*t)*dot(grad(u), grad(v)))", time="for t in [0, 1] by 10 steps from u = 0\n  using scheme = bdf2")
+row = says(report, "step", "1 - lambda_max")
+assert row["note"].startswith("K of step 1") and row["note"].endswith("with the forms of the initial time and states"), row
+close(1 - row["value"], 0.5 / (0.01 + 1))
+
 # A verdict of the continuous problem says to whom its theorem is due.
 for report, authors in ((bar(B, time=""), "W. Han, M. Sofonea 2019"), (bar(f"{viscous} + {B}"), "S. Migorski, S. Zeng 2019"),
                         (bar(f"integral(bar, u''*v) + {viscous} + {B}"), "A. Kulig 2013"),
