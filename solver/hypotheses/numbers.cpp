@@ -2,6 +2,7 @@
 #include "solver/hypotheses/numbers.hpp"
 
 #include "solver/common/numbers.hpp"
+#include "solver/discrete/body_states.hpp"
 #include "solver/discrete/time_scheme.hpp"
 #include "solver/hypotheses/multiplier_norm.hpp"
 #include "solver/linear/general_lu.hpp"
@@ -34,7 +35,10 @@ Numbers::Numbers(const Plan& plan, const Discretisation& d)
                 .leftCols(layout_.n_unknowns)),
       shares_(present_shares(*make_scheme(problem_), count_fields(problem_))),
       laws_(law_constants(problem_, d, contact_)),
-      traces_(trace_norms(problem_, d, layout_, gram_)) {}
+      traces_(trace_norms(problem_, d, layout_, gram_)) {
+  // By the rule of the steps, at the points of the states.
+  ChangingForms(problem_, d, contact_, operators_).take(contact_, layout_, operators_);
+}
 
 std::optional<ProductForm> Numbers::product_form(const SparseMatrix& k) const {
   if (!has_several_unknowns()) return std::nullopt;

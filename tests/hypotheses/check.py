@@ -375,6 +375,22 @@ row = says(report, "step", "1 - lambda_max")
 assert row["note"].startswith("K of step 1") and row["note"].endswith("with the forms of the initial time and states"), row
 close(1 - row["value"], 0.5 / (0.01 + 1))
 
+# Forms that read states have the rule of the steps: a coefficient is that of the middles of cells, the least one that of the first (analytic).
+text = """mesh bar = interval(1, cells = 4)
+part left = bar.left
+state d on bar with rate max(0, norm(grad(u)) - 100) from d = 0.2
+space V = scalar P1 on bar, zero on left
+find u in V for t in [0, 1] by 4 steps from u = 0
+such that for all v in V
+    integral(bar, 0.1*dot(grad(u'), grad(v))) + integral(bar, (1 - d)*(1 + x^3)*dot(grad(u), grad(v)))
+  = integral(bar, v)
+report
+  table end = u at [1]
+"""
+with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+    file.write(text), file.flush()
+    close(says(check(file.name), "H(B)", "B is coercive: m_B")["value"], 0.8 * (1 + 0.125 ** 3), 1e-9)
+
 # A verdict of the continuous problem says to whom its theorem is due.
 for report, authors in ((bar(B, time=""), "W. Han, M. Sofonea 2019"), (bar(f"{viscous} + {B}"), "S. Migorski, S. Zeng 2019"),
                         (bar(f"integral(bar, u''*v) + {viscous} + {B}"), "A. Kulig 2013"),
