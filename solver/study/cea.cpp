@@ -111,6 +111,18 @@ private:
   std::vector<std::unique_ptr<History>> histories_;
 };
 
+/// Has the problem nothing but what the theorem has: one unknown and its rate, a memory, loads of
+/// time, laws on u that read nothing of the solution?
+bool is_of_the_theorem(const Problem& problem) {
+  const auto on_u_alone = [&](const LawTerm& term) {
+    const LawSpec& law = problem.laws[static_cast<std::size_t>(term.law)];
+    return term.field == field_of_u(0) && term.seen.empty() && law.coupled.empty() &&
+           law.readings.empty();
+  };
+  return !problem.time.is_static && !in_motion(problem) && problem.space.more.empty() &&
+         problem.states.empty() && std::ranges::all_of(problem.law_terms, on_u_alone);
+}
+
 } // namespace
 
 FineSolution fine_exact(const Problem& problem, const Mesh& coarse, std::vector<Expr> exact) {
@@ -148,11 +160,7 @@ FineSolution fine_trajectory(const Problem& problem, std::shared_ptr<const Traje
 std::optional<CeaTerms> cea_terms(const FineSolution& solution, const Problem& problem,
                                   const Discretisation& coarse) {
   CeaTerms out;
-  if (problem.time.is_static || in_motion(problem) || !problem.space.more.empty())
-    return std::nullopt;
-  if (std::ranges::any_of(problem.law_terms,
-                          [](const LawTerm& term) { return term.field != field_of_u(0); }))
-    return std::nullopt;
+  if (!is_of_the_theorem(problem)) return std::nullopt;
   const Space& fine = solution.discretisation->space;
   // v = the interpolant of u: values of the fine function at the coarse nodes, seen in the fine
   // space.

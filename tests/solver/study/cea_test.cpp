@@ -144,6 +144,23 @@ TEST(Cea, SaysNothingOfStaticPlansAndUnilateralContact) {
       cea_terms(fine_exact(plan_of().problem, coarse.mesh, exact()), still.problem, coarse));
 }
 
+TEST(Cea, SaysNothingOfWhatTheTheoremDoesNotHave) {
+  const Plan plan = plan_of();
+  Discretisation coarse;
+  ASSERT_TRUE(discretise(plan, coarse).empty());
+  const auto says = [&](const auto& change) {
+    Problem other = plan.problem;
+    change(other);
+    return cea_terms(fine_exact(plan.problem, coarse.mesh, exact()), other, coarse).has_value();
+  };
+  EXPECT_TRUE(says([](Problem&) {}));
+  EXPECT_FALSE(says([](Problem& p) { p.states.emplace_back(); }));
+  EXPECT_FALSE(says([](Problem& p) { p.laws[1].coupled = "layer"; }));
+  EXPECT_FALSE(says([](Problem& p) { p.laws[0].readings = {Expr(1.0)}; }));
+  EXPECT_FALSE(says([](Problem& p) { p.law_terms[0].seen = {{{field_of_u(0), 2.0}}}; }));
+  EXPECT_FALSE(says([](Problem& p) { p.law_terms[0].field = field_of_u(1); }));
+}
+
 /// Between the times of a finer run the state is affine and its rate the step's difference
 /// quotient.
 TEST(Cea, ARunGivesItsRates) {
