@@ -80,7 +80,7 @@ as contact of a viscoelastic body with friction, memory and laws that soften,
 and solves it with a certificate for every time step.")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libhvi-dev)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libeigen3-dev, libfmt-dev, libsuitesparse-dev, libopenblas-serial-dev, libmetis-dev, libspectra-dev, \
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libeigen3-dev, libfmt-dev, libsuitesparse-dev, libopenblas-serial-dev, libmetis-dev, \
 libboost-math-dev, nlohmann-json3-dev, zlib1g-dev, hvi-run (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "solver for hemivariational inequalities, for C++
 The library behind hvi-run: headers, static library and files for CMake

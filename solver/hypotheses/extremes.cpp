@@ -2,74 +2,27 @@
 #include "solver/hypotheses/extremes.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/hypotheses/lanczos.hpp"
 #include "solver/linear/dense.hpp"
-
-#include <Spectra/SymGEigsShiftSolver.h>
-#include <Spectra/SymGEigsSolver.h>
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <vector>
 
 namespace hvi::solver {
 namespace {
 
 constexpr int dense_size = 120; ///< up to here the dense solver answers at once
+constexpr int few = 24; ///< up to here a solution for each unknown costs no more than Lanczos
 constexpr double tolerance = 1e-9;
 
 SparseMatrix symmetric_part(const SparseMatrix& k) {
   return SparseMatrix(0.5 * (k + SparseMatrix(k.transpose())));
 }
 
-/// y = K x for Spectra.
-template <class F>
-struct Product {
-  using Scalar = double;
-  Eigen::Index n;
-  F apply;
-  Eigen::Index rows() const { return n; }
-  Eigen::Index cols() const { return n; }
-  void perform_op(const double* x_in, double* y_out) const {
-    Eigen::Map<Vector>(y_out, n) = apply(Vector(Eigen::Map<const Vector>(x_in, n)));
-  }
-};
-
-/// y = S^-1 x for Spectra.
-struct Inverse : Product<LinearMap> {
-  void set_shift(double) {} // none
-};
-
-/// Products with G and its inverse for Spectra.
-struct GramOp {
-  using Scalar = double;
-  const GramForm& gram;
-  Eigen::Index rows() const { return gram.matrix().rows(); }
-  Eigen::Index cols() const { return rows(); }
-  void solve(const double* x_in, double* y_out) const {
-    Vector x;
-    gram.solve(Eigen::Map<const Vector>(x_in, rows()), x);
-    Eigen::Map<Vector>(y_out, rows()) = x;
-  }
-  void perform_op(const double* x_in, double* y_out) const {
-    Eigen::Map<Vector>(y_out, rows()) = gram.matrix() * Eigen::Map<const Vector>(x_in, rows());
-  }
-};
-
-/// y = (K - sigma G)^-1 x for Spectra.
-struct ShiftedInverse {
-  using Scalar = double;
-  Factorisation& shifted;
-  Eigen::Index n;
-  Eigen::Index rows() const { return n; }
-  Eigen::Index cols() const { return n; }
-  void set_shift(double) {} // the factor belongs to one shift
-  void perform_op(const double* x_in, double* y_out) const {
-    Vector x;
-    hvi::solver::solve(shifted, Eigen::Map<const Vector>(x_in, n), x);
-    Eigen::Map<Vector>(y_out, n) = x;
-  }
-};
+auto metric_of(const GramForm& gram) {
+  return [&gram](const Vector& v) -> Vector { return gram.matrix() * v; };
+}
 
 /// The eigenvalue next above sigma, where K - sigma G is positive definite (sigma itself, a lower
 /// bound, if the iteration does not converge); nothing where it is not. `error`: relative, of the
@@ -77,53 +30,30 @@ struct ShiftedInverse {
 std::optional<double> least_above(const GramForm& gram, const SparseMatrix& k, double sigma,
                                   double error) {
   const SparseMatrix shifted = k - sigma * gram.matrix();
-  const Eigen::Index n = k.rows();
   try {
     const auto factor = analyse(shifted, {}, true);
     factor->factor(shifted);
-    ShiftedInverse op{*factor, n};
-    GramOp g{gram};
-    Spectra::SymGEigsShiftSolver<ShiftedInverse, GramOp, Spectra::GEigsMode::ShiftInvert> solver(
-        op, g, 1, static_cast<int>(std::min<Eigen::Index>(n, 40)), sigma);
-    const Vector start = Vector::LinSpaced(n, 1.0, 2.0);
-    solver.init(start.data());
-    solver.compute(Spectra::SortRule::LargestAlge, 300, error);
-    if (solver.info() == Spectra::CompInfo::Successful) return solver.eigenvalues()[0];
+    const auto shift_inverted = [&](const Vector&, const Vector& gv) {
+      Vector w;
+      solve(*factor, gv, w);
+      return w;
+    };
+    const SymmetricMap inverse{k.rows(), shift_inverted, metric_of(gram)};
+    if (const auto value = extreme_eigenvalue(inverse, End::largest, error))
+      return sigma + 1.0 / *value;
     if (sigma > 0.0) return sigma;
-  } catch (const Failure&) {            // not positive definite
-  } catch (const std::runtime_error&) { // a Krylov space that ends early
+  } catch (const Failure&) { // not positive definite
   }
   return std::nullopt;
 }
 
-template <class F>
-std::optional<double> extreme(const GramForm& gram, F&& apply, Spectra::SortRule rule) {
-  const Eigen::Index n = gram.matrix().rows();
-  Product<F> op{n, std::forward<F>(apply)};
-  GramOp g{gram};
-  const int basis = static_cast<int>(std::min<Eigen::Index>(n, 40));
-  Spectra::SymGEigsSolver<Product<F>, GramOp, Spectra::GEigsMode::RegularInverse> solver(op, g, 1,
-                                                                                         basis);
-  const Vector start = Vector::LinSpaced(n, 1.0, 2.0); // no symmetry of a mesh is one of it
-  try {
-    solver.init(start.data());
-    solver.compute(rule, 300, tolerance);
-  } catch (const std::runtime_error&) { // a Krylov space that ends early
-    return std::nullopt;
-  }
-  if (solver.info() != Spectra::CompInfo::Successful) return std::nullopt;
-  return solver.eigenvalues()[0];
-}
-
-/// Is K - sigma G positive definite, so that all eigenvalues are above sigma?
-bool definite_above(const GramForm& gram, const SparseMatrix& k, double sigma) {
-  const SparseMatrix shifted = k - sigma * gram.matrix();
-  try {
-    analyse(shifted, {}, true)->factor(shifted);
-    return true;
-  } catch (const NotFactorable&) {
-    return false;
-  }
+std::optional<double> extreme(const GramForm& gram, const SparseMatrix& k, End end) {
+  const auto forces_moved = [&](const Vector& v, const Vector&) {
+    Vector w;
+    gram.solve(k * v, w);
+    return w;
+  };
+  return extreme_eigenvalue({k.rows(), forces_moved, metric_of(gram)}, end, tolerance);
 }
 
 /// Negative numbers with the least eigenvalue between them: K - sigma G is positive definite for
@@ -135,7 +65,7 @@ struct ShiftRange {
     while (below / above > most) {
       const double middle = -std::sqrt(below * above);
       if (!(middle > below && middle < above)) return;
-      (definite_above(gram, k, middle) ? below : above) = middle;
+      (gram.above(k, middle) ? below : above) = middle;
     }
   }
 };
@@ -153,7 +83,7 @@ std::optional<double> least_negative(const GramForm& gram, const SparseMatrix& k
   constexpr double rounding = 1e-12, apart = 1e3, beside = 1.02;
   const double least_size = rounding * scale;
   double size = least_size;
-  while (!definite_above(gram, k, -size))
+  while (!gram.above(k, -size))
     if ((size *= apart) > apart * scale) return std::nullopt;
   if (size == least_size) {
     const auto rough = least_above(gram, k, -size, 1e-5);
@@ -237,8 +167,7 @@ std::optional<double> GramForm::least(const SparseMatrix& k, double below) const
   for (const double sigma : {below * (1.0 - 1e-5), 0.0})
     if (const auto value = least_above(*this, s, sigma, 1e-5)) return value;
   if (const auto value = least_negative(*this, s)) return value;
-  return extreme(
-      *this, [&](const Vector& x) -> Vector { return s * x; }, Spectra::SortRule::SmallestAlge);
+  return extreme(*this, s, End::least);
 }
 
 std::optional<double> GramForm::largest(const SparseMatrix& k) const {
@@ -246,13 +175,21 @@ std::optional<double> GramForm::largest(const SparseMatrix& k) const {
   const auto on = support(s);
   if (on.empty()) return 0.0;
   if (s.rows() <= dense_size) return dense_spectrum(s, g_)[s.rows() - 1];
-  if (static_cast<int>(on.size()) <= dense_size)
+  if (static_cast<int>(on.size()) <= few)
     return std::max(0.0, FormOnSome(*this, s, on).largest());
-  const auto direct = extreme(
-      *this, [&](const Vector& x) -> Vector { return s * x; }, Spectra::SortRule::LargestAlge);
-  if (direct) return direct;
+  if (const auto direct = extreme(*this, s, End::largest)) return direct;
   const auto opposite = least_negative(*this, -s); // it may be far smaller than the others
   return opposite ? std::optional(-*opposite) : std::nullopt;
+}
+
+bool GramForm::above(const SparseMatrix& k, double value) const {
+  const SparseMatrix shifted = k - value * g_;
+  try {
+    analyse(shifted, {}, true)->factor(shifted);
+    return true;
+  } catch (const NotFactorable&) {
+    return false;
+  }
 }
 
 std::optional<double> GramForm::norm(const SparseMatrix& e) const {
@@ -264,16 +201,16 @@ std::optional<double> GramForm::norm(const SparseMatrix& e) const {
     const DenseMatrix square = half.transpose() * half; // E^T G^-1 E
     return std::sqrt(std::max(0.0, generalised_eigenvalues(square, dense)[e.rows() - 1]));
   }
-  if (static_cast<int>(on.size()) <= dense_size)
+  if (static_cast<int>(on.size()) <= few)
     return std::sqrt(std::max(0.0, FormOnSome(*this, e, on).largest_square()));
-  const auto square = extreme(
-      *this,
-      [&](const Vector& x) -> Vector {
-        Vector y;
-        solve(e * x, y);
-        return transposed * y;
-      },
-      Spectra::SortRule::LargestAlge);
+  const auto squared = [&](const Vector& v, const Vector&) {
+    Vector y, w;
+    solve(e * v, y);
+    solve(transposed * y, w);
+    return w;
+  };
+  const SymmetricMap map{e.rows(), squared, metric_of(*this)};
+  const auto square = extreme_eigenvalue(map, End::largest, tolerance);
   if (!square) return std::nullopt;
   return std::sqrt(std::max(*square, 0.0));
 }
@@ -288,19 +225,9 @@ std::optional<double> least_by_inverse(Eigen::Index n, const LinearMap& s_invers
     }
     return 1.0 / generalised_eigenvalues(square, metric)[n - 1];
   }
-  Inverse inverse{{n, s_inverse}};
-  Product<LinearMap> product{n, m};
-  Spectra::SymGEigsShiftSolver<Inverse, Product<LinearMap>, Spectra::GEigsMode::ShiftInvert> solver(
-      inverse, product, 1, 40, 0.0);
-  const Vector start = Vector::LinSpaced(n, 1.0, 2.0);
-  try {
-    solver.init(start.data());
-    solver.compute(Spectra::SortRule::LargestAlge, 300, tolerance);
-  } catch (const std::runtime_error&) { // a Krylov space that ends early
-    return std::nullopt;
-  }
-  if (solver.info() != Spectra::CompInfo::Successful) return std::nullopt;
-  return solver.eigenvalues()[0];
+  const SymmetricMap inverse{n, [&](const Vector&, const Vector& mv) { return s_inverse(mv); }, m};
+  const auto found = extreme_eigenvalue(inverse, End::largest, tolerance);
+  return found ? std::optional(1.0 / *found) : std::nullopt;
 }
 
 } // namespace hvi::solver

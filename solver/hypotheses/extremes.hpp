@@ -25,15 +25,16 @@ public:
   }
   void solve(const Vector& b, Vector& x) const { hvi::solver::solve(*factorisation_, b, x); }
 
-  /// Extremes of <K v, v> / <G v, v> for the symmetric part of K, to 1e-9, by Spectra's implicitly
-  /// restarted Lanczos method (D. C. Sorensen, Implicit application of polynomial filters in a
-  /// k-step Arnoldi method, SIAM J. Matrix Anal. Appl. 13 (1992) 357-385); in small spaces by the
-  /// dense solver. Nothing when the iteration does not converge.
+  /// Extremes of <K v, v> / <G v, v> for the symmetric part of K, to 1e-9, by Lanczos' method
+  /// (lanczos.hpp); in small spaces by the dense solver. Nothing when the iteration does not
+  /// converge.
   /// `below`: a lower bound of the least one where it is known (0: K may be positive definite).
   /// Just under it K is shifted and inverted, so that clusters at the bound converge at once; a
   /// negative one is bracketed by powers of a thousand first.
   std::optional<double> least(const SparseMatrix& k, double below = 0.0) const;
   std::optional<double> largest(const SparseMatrix& k) const;
+  /// Are all of them above this, K being symmetric? By a factorisation.
+  bool above(const SparseMatrix& k, double value) const;
   /// ||E|| as an operator from V to its dual: sqrt of the largest eigenvalue of E^T G^-1 E.
   std::optional<double> norm(const SparseMatrix& e) const;
 

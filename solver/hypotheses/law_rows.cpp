@@ -77,7 +77,7 @@ void Judgement::judge_law(const TermConstants& law, const LawTerm& term, Descent
 
 /// What the laws' arguments do to norms.
 void Judgement::judge_traces() {
-  const auto& norms = numbers_.traces();
+  const TraceNorms norms = numbers_.traces();
   c().norm_normal = norms.normal, c().norm_tangential = norms.tangential;
   c().norm_full = norms.full, c().norm_script = numbers_.script_norm(field_of_u(0));
   if (facts_.has_laws) {

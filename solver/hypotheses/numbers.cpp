@@ -34,10 +34,13 @@ Numbers::Numbers(const Plan& plan, const Discretisation& d)
       gram_(restrict_rows(gram_v(d.space, masses_of(d, motions_)), layout_)
                 .leftCols(layout_.n_unknowns)),
       shares_(present_shares(*make_scheme(problem_), count_fields(problem_))),
-      laws_(law_constants(problem_, d, contact_)),
-      traces_(trace_norms(problem_, d, layout_, gram_)) {
+      laws_(law_constants(problem_, d, contact_)) {
   // By the rule of the steps, at the points of the states.
   ChangingForms(problem_, d, contact_, operators_).take(contact_, layout_, operators_);
+}
+
+TraceNorms Numbers::traces() const {
+  return trace_norms(problem_, discretisation_, layout_, gram_);
 }
 
 std::optional<ProductForm> Numbers::product_form(const SparseMatrix& k) const {
@@ -118,11 +121,30 @@ double Numbers::coercivity(int field, double pointwise) const {
   if (!acts_on(field)) return 0.0;
   const double below = std::isfinite(pointwise) ? std::max(0.0, pointwise) : 0.0;
   const SparseMatrix form = definite_part(of_field(field));
+  // A body that nothing holds has rigid motions, which strains do not see: no iteration is needed.
+  if (least_is_zero(form)) return 0.0;
   const double least = gram_.least(form, below).value_or(not_a_number);
-  // A body that nothing holds has rigid motions, which strains do not see.
   const bool held = discretisation_.dofs.held() && motions_.empty();
   const double rounding = held ? 0.0 : 1e-10 * gram_.norm(form).value_or(0.0);
   return std::abs(least) <= rounding ? 0.0 : least;
+}
+
+/// Is the least eigenvalue rounding of the largest one? A rigid motion says that it is not above,
+/// and one factorisation that it is not below.
+bool Numbers::least_is_zero(const SparseMatrix& form) const {
+  const SparseMatrix& gram = gram_.matrix();
+  // Of the largest one a single unknown says enough.
+  const double largest = (form.diagonal().array() / gram.diagonal().array()).maxCoeff();
+  const double rounding = 1e-10 * largest;
+  const std::span dofs(layout_.dof_of.data(), static_cast<std::size_t>(layout_.n_unknowns));
+  for (const RigidMotions& of : motions_) {
+    const DenseMatrix motions = of.on(dofs);
+    for (Eigen::Index i = 0; i < motions.cols(); ++i) {
+      const Vector v = motions.col(i);
+      if (v.dot(form * v) <= rounding * v.dot(gram * v)) return gram_.above(form, -rounding);
+    }
+  }
+  return false;
 }
 
 /// Rows and columns of the unknowns that have a form on this field, of which `matrix` is part.

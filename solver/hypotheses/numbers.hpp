@@ -60,12 +60,13 @@ public:
   const Contact& contact() const { return contact_; }
   const StateLayout& layout() const { return layout_; }
   const std::vector<TermConstants>& laws() const { return laws_; }
-  const TraceNorms& traces() const { return traces_; }
+  TraceNorms traces() const;
   const Operators& operators() const { return operators_; }
   /// Of the fields in a step's equation (TimeScheme::present).
   const Vector& shares() const { return shares_; }
 
 private:
+  bool least_is_zero(const SparseMatrix& form) const;
   SparseMatrix of_those_with(int field, const SparseMatrix& matrix) const;
 
   const Problem& problem_;
@@ -78,7 +79,6 @@ private:
   GramForm gram_; ///< with the mass where there are such motions
   Vector shares_;
   std::vector<TermConstants> laws_;
-  TraceNorms traces_;
 };
 
 /// lambda_max(sum m_i M_i^T W M_i, sym K) for many K of the same forms. Below 1: the problem with
