@@ -194,18 +194,27 @@ Admitted::Part Admitted::farthest_of(const Point& point, const Vector& y) const 
 
 namespace {
 
-/// Combinations of motions of one unknown that neither K nor K^T sees; of several unknowns those
-/// that K^T does not see. A constant temperature strains a body, but whatever the state is the
-/// forms do nothing along it, which is all that (*) says.
-DenseMatrix unseen_by(const SparseMatrix& k, const DenseMatrix& motions, const Space& space,
-                      const StateLayout& layout) {
+/// Combinations of motions of one unknown that K does not resist.
+DenseMatrix not_resisted(const SparseMatrix& k, const DenseMatrix& motions, const Space& space,
+                         const StateLayout& layout) {
   if (space.is_product())
-    return kernel(resistance(k.transpose(), motions, space, layout.dof_of), product_of_rounding);
-  const double small = product_of_rounding * product_size(k, motions);
-  DenseMatrix both(2 * k.rows(), motions.cols());
-  both << k * motions, SparseMatrix(k.transpose()) * motions;
-  return kernel(both, small);
+    return kernel(resistance(k, motions, space, layout.dof_of), product_of_rounding);
+  return kernel(k * motions, product_of_rounding * product_size(k, motions));
 }
+
+/// Those that K^T does not see, and those others that K does not see. A constant temperature
+/// strains a body, but whatever the state is the forms do nothing along it, which is all that (*)
+/// says.
+struct Unseen {
+  DenseMatrix by_transposed, by_matrix_alone;
+  Unseen(const SparseMatrix& k, const DenseMatrix& motions, const Space& space,
+         const StateLayout& layout)
+      : by_transposed(not_resisted(k.transpose(), motions, space, layout)),
+        by_matrix_alone(not_resisted(k, motions, space, layout)) {
+    if (by_matrix_alone.cols() > 0 && by_transposed.cols() > 0)
+      by_matrix_alone *= kernel(by_transposed.transpose() * by_matrix_alone, least_seen);
+  }
+};
 
 } // namespace
 
@@ -217,11 +226,14 @@ std::shared_ptr<const FreeBody> find_free_body(std::span<const RigidMotions> mot
   for (const RigidMotions& of : motions) {
     const DenseMatrix all =
         of.on({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)});
-    DenseMatrix chosen = unseen_by(k, all, of.space(), layout);
-    if (chosen.cols() == 0) continue;
-    DenseMatrix on_unknowns = all * chosen;
-    count += chosen.cols();
-    out.parts.push_back({of, std::move(on_unknowns), std::move(chosen)});
+    const Unseen unseen(k, all, of.space(), layout);
+    const auto take = [&](const DenseMatrix& chosen, bool balances) {
+      if (chosen.cols() == 0) return;
+      count += chosen.cols();
+      out.parts.push_back({of, all * chosen, chosen, balances});
+    };
+    take(unseen.by_transposed, true);
+    take(unseen.by_matrix_alone, false);
   }
   if (out.parts.empty()) return nullptr;
   out.on_unknowns.resize(k.rows(), count);
@@ -267,6 +279,7 @@ std::vector<std::string> unseen_motions(const FreeBody& body, const Contact& con
 }
 
 bool held_strongly(const FreeBody& body, const Contact& contact) {
+  if (!std::ranges::all_of(body.parts, &FreeBody::Part::balances)) return false;
   const auto rises = [&](const ContactPoint& point) {
     const Law& law = *contact.laws[static_cast<std::size_t>(point.law)];
     if (law.depends_on_t()) return false;
@@ -305,6 +318,7 @@ void refuse_unbalanced(const FreeBody& body, const Contact& contact, const Probl
   for (const FreeBody::Part& part : body.parts) {
     const Admitted admitted(part, contact, t);
     refuse_free(each_in_words(part, admitted.unseen()), when, origin);
+    if (!part.balances) continue;
     const auto nearest = nearest_point(part.on_unknowns.transpose() * r, admitted.start(),
                                        [&](const Vector& y) { return admitted.support(y); });
     if (!nearest.outside) continue;
@@ -324,13 +338,16 @@ std::string runaway(const FreeBody& body, const Vector& d) {
 
 double balance_error(const FreeBody& body, const Contact& contact, const Vector& r,
                      const Vector& xi) {
-  const Vector left = body.on_unknowns.transpose() * (r - contact.force * xi);
-  const Vector size = body.on_unknowns.cwiseAbs().transpose() *
-                      (r.cwiseAbs() + contact.force.cwiseAbs() * xi.cwiseAbs());
   double worst = 0.0;
-  for (Eigen::Index i = 0; i < left.size(); ++i)
-    if (const double error = std::abs(left[i]) / size[i]; left[i] != 0.0 && !(error <= worst))
-      worst = std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
+  for (const FreeBody::Part& part : body.parts) {
+    if (!part.balances) continue;
+    const Vector left = part.on_unknowns.transpose() * (r - contact.force * xi);
+    const Vector size = part.on_unknowns.cwiseAbs().transpose() *
+                        (r.cwiseAbs() + contact.force.cwiseAbs() * xi.cwiseAbs());
+    for (Eigen::Index i = 0; i < left.size(); ++i)
+      if (const double error = std::abs(left[i]) / size[i]; left[i] != 0.0 && !(error <= worst))
+        worst = std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
+  }
   return worst;
 }
 

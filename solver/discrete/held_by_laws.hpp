@@ -5,6 +5,10 @@
 //
 //   N^T r = sum_p w_p (G_p N)^T xi_p,      xi_p in dj_p(z_p).                                  (*)
 //
+// That asks for K^T N = 0 alone. Where K N = 0 and K^T N is not (an unknown that another one
+// drives, and that drives none) laws have to hold N as well, but what they balance there is a load
+// that the solution is a part of: of it nothing is known beforehand.
+//
 // Let Xi_p be the values that law p's subgradients lie between (an interval, a ball; a cone for
 // Coulomb's friction with its pressure) and C the convex set of the right sides of (*) with them.
 // Outside C there is no solution, and a v with  <r, v> > sup { <c, v> : c in C }  is a motion that
@@ -31,6 +35,7 @@ struct FreeBody {
     RigidMotions motions;
     DenseMatrix on_unknowns; ///< of those that K does not see, a column each
     DenseMatrix chosen;      ///< such a column as a combination of all motions
+    bool balances = true;    ///< K^T does not see them either: (*) holds
     std::string describe(const Vector& combination) const {
       return motions.describe(chosen * combination);
     }
