@@ -50,6 +50,7 @@ Checker::Checker(const std::vector<ast::Program>& programs, const CheckOptions& 
 
 std::optional<Model> Checker::run() {
   model_.title = options_.title;
+  model_.lacks_columns = mistakes_.has_errors(); // the syntax of a report may be wrong
   names_.collect();
   parameters_.check_defines();
   check_finds();
@@ -57,7 +58,10 @@ std::optional<Model> Checker::run() {
   const bool readable = find_ && statement_.read(*find_);
   check_declarations();
   if (readable) {
-    if (unknowns_.known || meshes_are_good()) report_.read(programs_[0]);
+    if (unknowns_.known || meshes_are_good())
+      report_.read(programs_[0]);
+    else
+      model_.lacks_columns = true;
     expectations_.read(programs_[0]);
     expectations_.read_accuracy(*find_);
     studies_.read(programs_[0]);

@@ -66,7 +66,7 @@ void Curves::plot(const ast::PlotItem& item) {
       known.push_back(model_.report.probes[static_cast<std::size_t>(p)].name);
   const auto column = [&](const ast::Name& name) {
     if (std::ranges::find(known, name.text) != known.end()) return true;
-    if (mistakes_.has_errors()) return false; // its table may have a mistake
+    if (may_have_column(model_, name.text)) return false;
     const std::string part = name.text + "_x";
     const bool vector = std::ranges::find(known, part) != known.end();
     mistakes_.error("E0319", name.span, fmt::format("no table has a column `{}`", name.text),

@@ -15,7 +15,7 @@ void Expectations::require_column(const std::string& name, const Span& place) {
   std::vector<std::string> names;
   for (const Probe& p : model_.report.probes)
     if (!p.name.empty()) names.push_back(p.name);
-  if (std::ranges::find(names, name) != names.end() || mistakes_.has_errors()) return;
+  if (std::ranges::find(names, name) != names.end() || may_have_column(model_, name)) return;
   const bool vector = std::ranges::find(names, name + "_x") != names.end();
   mistakes_.error("E0319", place, fmt::format("no table has a column `{}`", name),
                   vector ? fmt::format("it is a vector: its first column is `{}_x`", name)

@@ -23,7 +23,16 @@ void Forms::read(const ast::Find& find) {
   };
   take(find.left.terms, false);
   take(find.right.terms, true);
+  const auto written = [](const std::vector<ast::FormTerm>& terms) {
+    return std::ranges::count_if(terms,
+                                 [](const ast::FormTerm& t) { return t.integral.has_value(); });
+  };
+  const auto all = static_cast<std::size_t>(written(find.left.terms) + written(find.right.terms));
+  const bool unread =
+      mistakes_.has_error_in(find.left.span) || mistakes_.has_error_in(find.right.span);
+  model_.lacks_terms = unread || model_.terms.size() + sources.size() != all;
   for (const auto& [term, right] : sources) form_term(*term, right, true);
+  model_.lacks_terms = unread || model_.terms.size() != all;
 }
 
 std::optional<Symbol> Forms::form_factors(const ast::FormTerm& term) {

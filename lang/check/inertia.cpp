@@ -15,7 +15,7 @@ bool has_acceleration(const ModelTerm& term) {
 }
 
 bool has_second_derivative(const Model& model) {
-  return std::ranges::any_of(model.terms, has_acceleration);
+  return model.lacks_terms || std::ranges::any_of(model.terms, has_acceleration);
 }
 
 } // namespace hvi::lang

@@ -326,8 +326,7 @@ Value Laws::member(const ast::Member& m, int declaration, const Scope& scope) {
       }
       ++application;
     }
-  // Its term may have been left out because of an error in it.
-  if (mistakes_.has_errors()) return Poison{};
+  if (model_.lacks_terms) return Poison{};
   if (scope.source)
     mistakes_.error("E0447", m.object->span,
                     fmt::format("no other integral of the inequality has the law `{}` in it", law),

@@ -155,6 +155,9 @@ struct Model {
   solver::SpaceSpec space; ///< its dirichlet values are filled in
   std::vector<std::string> unknowns, tests;
   std::vector<ModelTerm> terms;
+  bool lacks_terms = false;   ///< a mistake left some out: what is in none may be in those
+  bool lacks_columns = false; ///< the same of columns of tables, whose names are not known
+  std::vector<std::string> lost_columns;   ///< those whose names are
   std::vector<solver::TensorSpec> tensors; ///< as they were written
   std::vector<ModelHistory> histories;
   std::vector<ModelLaw> laws;

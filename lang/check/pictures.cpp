@@ -85,7 +85,7 @@ bool Pictures::graph(const ast::Expr& e, solver::GraphsSpec& out) {
         out.graphs.push_back({name, model_.laws[static_cast<std::size_t>(*law)].spec});
         found = true;
       }
-    if (!found && !mistakes_.has_errors()) // its term may be wrong
+    if (!found && !model_.lacks_terms)
       mistakes_.error("E0450", e.span,
                       fmt::format("no term of the inequality has the law `{}`", name),
                       "a picture shows laws that act, with the values that they have there");
@@ -106,7 +106,7 @@ bool Pictures::graph(const ast::Expr& e, solver::GraphsSpec& out) {
            solver::KernelSpec{itself ? name : tensor, model_.origin(history.span), drawn, {}}});
       found = true;
     }
-  if (!found && !mistakes_.has_errors()) // its term may be wrong
+  if (!found && !model_.lacks_terms)
     mistakes_.error("E0450", e.span,
                     fmt::format("no memory of the inequality has the kernel `{}`", name),
                     "a picture shows kernels that act");

@@ -9,6 +9,12 @@
 
 namespace hvi::lang {
 
+bool may_have_column(const Model& model, const std::string& name) {
+  return model.lacks_columns || std::ranges::any_of(model.lost_columns, [&](const auto& lost) {
+           return name == lost || name.starts_with(lost + "_");
+         });
+}
+
 Scope report_scope() {
   Scope scope;
   scope.what = "a report";

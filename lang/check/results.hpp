@@ -9,6 +9,9 @@
 
 namespace hvi::lang {
 
+/// Was a column of this name, or of a vector of which it is one, left out by a mistake?
+bool may_have_column(const Model& model, const std::string& name);
+
 /// Of every expression of a report.
 Scope report_scope();
 

@@ -29,9 +29,9 @@ int Tables::norm_of_unknown(const ast::Expr& e) const {
   return r ? unknowns_.named(r->name) : -1;
 }
 
-/// A column of a table. A vector has a column for each component: `force` gives `force_x`,
-/// `force_y`.
-void Tables::binding(const ast::Binding& b, solver::TableSpec& table) {
+/// A column of a table; false: reported. A vector has a column for each component: `force` gives
+/// `force_x`, `force_y`.
+bool Tables::binding(const ast::Binding& b, solver::TableSpec& table) {
   Probe p;
   p.name = b.name.text;
   p.origin = model_.origin(b.value.span);
@@ -44,35 +44,35 @@ void Tables::binding(const ast::Binding& b, solver::TableSpec& table) {
   if (const int normed = b.point ? -1 : norm_of_unknown(b.value); normed >= 0) {
     p.kind = Probe::Kind::norm_v;
     p.unknown = normed;
-    if (good) column(b, std::move(p), table);
-    return;
+    return good && column(b, std::move(p), table);
   }
   at_hand_.gap = -1;
   auto value = column_value(b);
   if (b.point) {
     auto at = evaluator_.constant_list(*b.point, "a point");
-    if (!at || !value || !good) return;
+    if (!at || !value || !good) return false;
     if (static_cast<int>(at->size()) != model_.dim) {
       mistakes_.error("E0307", b.point->span,
                       fmt::format("a point in {0}D has {0} coordinates", model_.dim));
-      return;
+      return false;
     }
     p.kind = Probe::Kind::at_point;
     p.origin = model_.origin(b.point->span);
     for (int i = 0; i < model_.dim; ++i) p.point[i] = (*at)[i];
   } else {
-    if (!value || !good) return;
-    if (!has_one_value(b, *value)) return;
+    if (!value || !good) return false;
+    if (!has_one_value(b, *value)) return false;
     p.kind = Probe::Kind::combination;
   }
   for (std::size_t i = 0; i < value->components.size(); ++i) {
     Probe of = p;
     of.expression = value->components[i];
-    if (b.point && !pairs_.take_jumps_at_point(b.value.span, of.expression, of)) return;
+    if (b.point && !pairs_.take_jumps_at_point(b.value.span, of.expression, of)) return false;
     if (value->rank == 1) of.name += fmt::format("_{}", "xyz"[i]);
     if (of.kind == Probe::Kind::combination && of.time) take_at_its_time(first, of);
-    if (!column(b, std::move(of), table)) return;
+    if (!column(b, std::move(of), table)) return false;
   }
+  return true;
 }
 
 /// A number, or a vector; at a point, what has a value there.
@@ -138,7 +138,8 @@ void Tables::read(const ast::TableItem& item) {
     if (auto n = evaluator_.positive_integer(*item.every, "`every`")) spec.every = *n;
   spec.from_start = results_.from_start(item.from_start);
   auto file = results_.output_name(item.to);
-  for (const ast::Binding& b : item.columns) binding(b, spec);
+  for (const ast::Binding& b : item.columns)
+    if (!binding(b, spec) || !file) model_.lost_columns.push_back(b.name.text);
   if (!file) return;
   spec.file = *file;
   model_.report.tables.push_back(std::move(spec));

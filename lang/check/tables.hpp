@@ -22,7 +22,7 @@ public:
 
 private:
   int norm_of_unknown(const ast::Expr& e) const;
-  void binding(const ast::Binding& binding, solver::TableSpec& table);
+  [[nodiscard]] bool binding(const ast::Binding& binding, solver::TableSpec& table);
   std::optional<Field> column_value(const ast::Binding& binding);
   bool has_one_value(const ast::Binding& binding, const Field& value);
   bool column(const ast::Binding& binding, solver::Probe probe, solver::TableSpec& table);
