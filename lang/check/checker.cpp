@@ -1,5 +1,6 @@
 #include "lang/check/checker.hpp"
 
+#include "lang/check/unheeded.hpp"
 #include "lang/syntax/tree_names.hpp"
 
 #include <fmt/format.h>
@@ -67,7 +68,10 @@ std::optional<Model> Checker::run() {
     studies_.read(programs_[0]);
   }
   if (!mistakes_.has_errors()) tensors_.check_locking();
-  if (!mistakes_.has_errors()) check_unused();
+  if (!mistakes_.has_errors()) {
+    check_unused();
+    tell_unheeded_settings(*find_, model_, mistakes_);
+  }
   if (options_.on_name) tell_facts();
   if (mistakes_.has_errors() || !find_) return std::nullopt;
   // They were evaluated when something asked for them.

@@ -64,6 +64,17 @@ infinite, as 1/(x - 1) has: what the run gives depends on how near the points of
 find u in V for t in [0, 1] by 5 steps from u = 0 such that ... = integral(body, 1/(t - 0.5)*v))",
      R"(
 find u in V for t in [0, 1] by 5 steps from u = 0 such that ... = integral(body, 1/(t + 0.5)*v))"},
+    {"W0109", "setting without effect",
+     R"(
+A setting of the find statement that changes nothing of what this script computes: `hht_alpha` beside another
+scheme, `scheme`, `load`, `interpolant` and `memory` of a static problem, `load = average` where no load changes
+in time, `interpolant` where nothing is asked for between two steps, `memory` and `memory_tolerance` without a
+memory, `branch` without a law, `quadrature` where each law brings a rule. Not said where `scheme` is
+a parameter, which may have another value.)",
+     R"(
+find u in V for t in [0, 1] by 8 steps from u = 0 using scheme = newmark, hht_alpha = -0.1)",
+     R"(
+find u in V for t in [0, 1] by 8 steps from u = 0 using scheme = hht, hht_alpha = -0.1)"},
     {"W0601",
      "picture not drawn",
      R"(
