@@ -12,7 +12,7 @@ namespace hvi::lang {
 void Curves::line(const ast::LineItem& item) {
   solver::LineSpec spec;
   spec.origin = model_.origin(item.span);
-  auto file = results_.output_name(item.to);
+  auto file = results_.columns_name(item.to);
   bool good = results_.place(item.from, spec.from);
   good = results_.place(item.end, spec.to) && good;
   if (good && spec.from == spec.to) {
@@ -50,7 +50,7 @@ void Curves::line(const ast::LineItem& item) {
 void Curves::plot(const ast::PlotItem& item) {
   solver::PlotSpec spec;
   spec.origin = model_.origin(item.span);
-  auto file = results_.picture_name(item.to);
+  auto file = results_.picture_name(item.to, ".svg");
   if (item.to && item.to->text.ends_with(".apng")) {
     mistakes_.error("E0412", item.to->span, "a plot does not move",
                     "a picture that stands still is a `.png` or an `.svg`");

@@ -122,7 +122,7 @@ void OutputFields::read(const ast::FieldsItem& item) {
   if (item.every)
     if (auto n = evaluator_.positive_integer(*item.every, "`every`")) spec.every = *n;
   spec.from_start = results_.from_start(item.from_start);
-  auto file = results_.output_name(item.to);
+  auto file = results_.fields_name(item.to);
   for (const ast::Expr& e : item.fields)
     if (auto f = output_field(e); f && is_new(*f, spec.fields))
       spec.fields.push_back(std::move(*f));

@@ -80,14 +80,33 @@ void Results::check_files() {
     }
 }
 
-std::optional<std::string> Results::picture_name(const std::optional<ast::Text>& to) {
+std::optional<std::string> Results::name_ending(const std::optional<ast::Text>& to,
+                                                std::initializer_list<std::string_view> endings,
+                                                const char* what, const char* help) {
   auto out = output_name(to);
   if (!out) return out;
   const std::string ending = std::filesystem::path(*out).extension().string();
-  if (ending.empty() || ending == ".png" || ending == ".svg" || ending == ".apng") return out;
-  mistakes_.error("E0604", to->span, fmt::format("no picture is written as `{}`", ending),
-                  "pictures are `.png`, `.svg` or, where they move, `.apng`");
+  if (ending.empty() || std::ranges::find(endings, ending) != endings.end()) return out;
+  mistakes_.error("E0604", to->span, fmt::format("{} written as `{}`", what, ending), help);
   return std::nullopt;
+}
+
+std::optional<std::string> Results::picture_name(const std::optional<ast::Text>& to,
+                                                 const char* ending) {
+  auto out = name_ending(to, {".png", ".svg", ".apng"}, "no picture is",
+                         "pictures are `.png`, `.svg` or, where they move, `.apng`");
+  if (out && !out->empty() && !std::filesystem::path(*out).has_extension()) *out += ending;
+  return out;
+}
+
+std::optional<std::string> Results::columns_name(const std::optional<ast::Text>& to) {
+  return name_ending(to, {".csv"}, "columns are not",
+                     "tables and lines are `.csv`; `picture` and `plot` draw");
+}
+
+std::optional<std::string> Results::fields_name(const std::optional<ast::Text>& to) {
+  return name_ending(to, {".vtu", ".pvd"}, "fields are not",
+                     "fields are `.vtu`, with a `.pvd` of all times; `picture` draws");
 }
 
 bool Results::from_start(const Span& words) {

@@ -137,7 +137,7 @@ void Tables::read(const ast::TableItem& item) {
   if (item.every)
     if (auto n = evaluator_.positive_integer(*item.every, "`every`")) spec.every = *n;
   spec.from_start = results_.from_start(item.from_start);
-  auto file = results_.output_name(item.to);
+  auto file = results_.columns_name(item.to);
   for (const ast::Binding& b : item.columns)
     if (!binding(b, spec) || !file) model_.lost_columns.push_back(b.name.text);
   if (!file) return;

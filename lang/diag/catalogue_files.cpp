@@ -31,8 +31,9 @@ mesh m = gmsh("notes.txt"))",
 mesh m = gmsh("part.msh"))"},
     {"E0604", "forbidden path",
      R"(
-A script reads files beside it or below it, and writes into the output folder only. A picture is written as its
-name ends: `.png`, `.svg`, or `.apng` where it moves.)",
+A script reads files beside it or below it, and writes into the output folder only. What is written
+is as its name ends: pictures are `.png`, `.svg`, or `.apng` where they move, tables and lines `.csv`, fields
+`.vtu` (or `.pvd`, which holds all times).)",
      R"(
 import "../other/laws.hvi")",
      R"(

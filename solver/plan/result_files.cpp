@@ -58,8 +58,7 @@ std::string fields_stem(const ReportSpec& report, std::size_t i, const std::stri
 }
 
 std::string line_file(const ReportSpec& report, std::size_t i, const std::string& title) {
-  const std::string& given = report.lines[i].file;
-  return given.empty() ? title + "_line" + number_of(i) + ".csv" : given;
+  return stem_of(report.lines[i].file, title + "_line" + number_of(i)) + ".csv";
 }
 
 std::string plot_file(const ReportSpec& report, std::size_t i, const std::string& title) {
