@@ -1,8 +1,11 @@
 // See across.hpp. Used where operators, strains and the stress are made.
 #include "lang/check/across.hpp"
 
+#include "solver/kernel/algebra.hpp"
+
 #include <algorithm>
 #include <set>
+#include <utility>
 
 namespace hvi::lang {
 
@@ -23,12 +26,34 @@ bool is_test_function(const Field& f) {
   });
 }
 
+/// e_iz; no stress has arguments of laws in it.
+solver::Slot of_shear(int i) { return slot::argument(1 + i); }
+
 std::vector<Symbol> scaled(const Symbol& by, std::vector<Symbol> across) {
   for (Symbol& c : across) c = by * c;
   return across;
 }
 
 } // namespace
+
+std::vector<Symbol> across_of_tensor(const solver::TensorSpec& tensor) {
+  std::vector<Symbol> out = components_across(tensor, 2);
+  if (!shears_across(tensor)) return out;
+  for (int i = 0; i < 2; ++i) {
+    const std::vector<Symbol> shear = components_across(tensor, i);
+    for (std::size_t k = 0; k < out.size(); ++k)
+      out[k] = out[k] + Symbol::variable(of_shear(i)) * shear[k];
+  }
+  return out;
+}
+
+Symbol normal_across(const Symbol& across) {
+  const std::pair<solver::Slot, Symbol> none[] = {{of_shear(0), Symbol(0.0)},
+                                                  {of_shear(1), Symbol(0.0)}};
+  return substitute(across, none);
+}
+
+Symbol shear_across(const Symbol& across, int i) { return derivative(across, of_shear(i)); }
 
 Symbol strain_across(int unknown) {
   return Symbol::variable(slot::test(slot::of_unknown(unknown, slot::hoop)));

@@ -5,12 +5,23 @@
 // its entry zz; of scalars linear in v, what they have of the strains zz. That of v is a variable
 // of its own (`strain_across`), which is zero and only tells where it stands. So A : eps(u) has
 // C_zzkl eps_kl(u), and (A : eps(u)) : eps(v) that times the strain zz of v.
+//
+// A material whose axes stand oblique to the plane makes shears across it as well. They ride along
+// as factors of two more variables (`shear_across`): what stands for C_zzkl is then
+// C_zzkl + e_xz C_xzkl + e_yz C_yzkl, and what became of it the stress zz with e = 0, and the shear
+// iz as its derivative by e_iz.
 #pragma once
 
 #include "lang/check/value.hpp"
+#include "solver/plan/tensor.hpp"
 
 namespace hvi::lang {
 
+/// Of a tensor; empty: not known.
+std::vector<Symbol> across_of_tensor(const solver::TensorSpec& tensor);
+/// The stress zz of what is known across a plane, and its shear iz, i < 2.
+Symbol normal_across(const Symbol& across);
+Symbol shear_across(const Symbol& across, int i);
 /// The strain zz of the test function of an unknown.
 Symbol strain_across(int unknown);
 /// The factor of the strain zz of an unknown's test function in a scalar linear in all of them;

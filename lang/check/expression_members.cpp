@@ -1,4 +1,5 @@
 // Members of values: `u.nu`, `sigma.xy`, `layer.xi`.
+#include "lang/check/across.hpp"
 #include "lang/check/expressions.hpp"
 #include "lang/check/pairs.hpp"
 #include "lang/diag/suggest.hpp"
@@ -74,7 +75,7 @@ Value Expressions::field_member(const ast::Expr&, const ast::Member& m, const Fi
     const auto i = axis_of(name.substr(0, 1)), j = axis_of(name.substr(1, 1));
     if (!i || !j) return no_member({"xx", "yy", "xy"});
     if (*i == 2 && *j == 2 && f.rows == 2 && f.test == Degree::none && !f.across.empty()) {
-      out.components = f.across; // in plane strain
+      out.components = {normal_across(f.across[0])}; // in plane strain
       return out;
     }
     if (*i >= f.rows || *j >= f.columns) {

@@ -299,18 +299,10 @@ Value Functions::mises_call(const ast::Expr& e, const Span& span, const Field& f
                  "of sums of such stresses, and of `p*div(v)`");
     return Poison{};
   }
-  if (n == 2 && std::ranges::any_of(model_.tensors, solver::shears_across)) {
-    mistakes_.error("E0448", span,
-                    "a tensor here makes shears across the plane of strains in it, which `mises` "
-                    "needs and a tensor of the plane does not have",
-                    "they are zero where one of the material's axes stands across the plane; in "
-                    "3D all stresses are known");
-    return Poison{};
-  }
   const auto entry = [&](int i, int j) -> Symbol {
     if (n == 3 || (i < 2 && j < 2))
       return Symbol(0.5) * (f.components[i * n + j] + f.components[j * n + i]);
-    return i == j ? f.across[0] : Symbol(0.0);
+    return i == j ? normal_across(f.across[0]) : shear_across(f.across[0], std::min(i, j));
   };
   Symbol sum = 0.0;
   for (int i = 0; i < 3; ++i) {

@@ -1,5 +1,6 @@
 #include "lang/check/tensors.hpp"
 
+#include "lang/check/across.hpp"
 #include "solver/kernel/algebra.hpp"
 #include "solver/linear/dense.hpp"
 
@@ -143,7 +144,7 @@ void Tensors::check_locking() {
 
 Field Tensors::tensor_value(solver::TensorSpec spec) {
   Field out = tensor_field(tensor_dim(model_), components(spec, tensor_dim(model_)));
-  if (tensor_dim(model_) == 2) out.across = solver::components_across(spec);
+  if (tensor_dim(model_) == 2) out.across = across_of_tensor(spec);
   out.materials = {{.tensor = add_tensor(std::move(spec))}};
   return out;
 }

@@ -353,9 +353,8 @@ such that for all v in V, eta in W
      R"(
 The equivalent stress of von Mises needs all stresses in space. In plane strain the stress `zz` across the
 plane is known where the stress is made of `isotropic`, `orthotropic` and `transverse` tensors on `eps(u)`, of
-memories of these, and of terms such as `p*div(v)`; a `voigt` matrix of the plane does not tell it. Where none of
-a material's axes stands across the plane, strains in it make the shears `xz` and `yz`, too, which a tensor of the
-plane does not have. In 1D nothing tells what holds the bar sideways.)",
+memories of these, and of terms such as `p*div(v)`, with the shears `xz` and `yz` that strains in the plane make of
+a material none of whose axes stands across it; a `voigt` matrix of the plane does not tell them. In 1D nothing tells what holds the bar sideways.)",
      R"(
 tensor A = voigt([[3, 1, 0], [1, 3, 0], [0, 0, 1]])
 report table worst = largest(body, mises(sigma)))",

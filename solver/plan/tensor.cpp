@@ -153,9 +153,10 @@ std::vector<Expr> components(const TensorSpec& tensor, int dim) {
   return c;
 }
 
-std::vector<Expr> components_across(const TensorSpec& tensor) {
+std::vector<Expr> components_across(const TensorSpec& tensor, int i) {
   switch (tensor.kind) {
   case TensorSpec::Kind::isotropic:
+    if (i < 2) return std::vector<Expr>(4, Expr(0.0));
     return {tensor.constants[0], 0.0, 0.0, tensor.constants[0]};
   case TensorSpec::Kind::orthotropic:
   case TensorSpec::Kind::transverse:
@@ -166,7 +167,7 @@ std::vector<Expr> components_across(const TensorSpec& tensor) {
   const std::vector<Expr> material = along_axes(tensor);
   std::vector<Expr> out;
   for (int k = 0; k < 2; ++k)
-    for (int l = 0; l < 2; ++l) out.push_back(rotated(material, tensor.axes, 2, 2, k, l));
+    for (int l = 0; l < 2; ++l) out.push_back(rotated(material, tensor.axes, i, 2, k, l));
   return out;
 }
 

@@ -36,8 +36,9 @@ constexpr bool has_major_symmetry(TensorSpec::Kind kind) {
 /// C_ijkl, row-major, d^4 of them. Of a section (d = 2) the strains along z are 0.
 std::vector<Expr> components(const TensorSpec& tensor, int dim);
 
-/// C_zzkl of a section, row-major in k, l: what the strains in it do across it. Empty: not known.
-std::vector<Expr> components_across(const TensorSpec& tensor);
+/// C_izkl of a section, row-major in k, l: what the strains in it do across it, i = 2 for the
+/// stress zz. Empty: not known.
+std::vector<Expr> components_across(const TensorSpec& tensor, int i);
 /// Do strains in a section make shears across it, xz or yz? Of a general tensor it is not known.
 bool shears_across(const TensorSpec& tensor);
 

@@ -301,6 +301,11 @@ def check_extremes(folder):
         close(row["on_side"], max(row[f"u{i}"] for i, (x, _) in enumerate(nodes) if x == 1))
 
 
+TRANSVERSE = "E1 = 90, E2 = 20, nu12 = 0.25, nu23 = 0.3, G12 = 12"
+OBLIQUE = (f"transverse({TRANSVERSE}, axis = [1, 0, 1])", f"transverse({TRANSVERSE}, axis = [1, 2, -3])",
+           f"2*{ISOTROPIC} + transverse({TRANSVERSE}, axis = [1, 2, 3])")
+
+
 def check_mises(folder):
     """A slice in space, held between two planes, has the stresses of plane strain: with P1 where u is affine."""
     affine = "[0.01*x + 0.004*y, -0.003*x + 0.006*y]"
@@ -309,7 +314,8 @@ def check_mises(folder):
     for tensor, memory in ((ISOTROPIC, of_strain), (ISOTROPIC, of_stress),
                            ("orthotropic(E1 = 70, E2 = 30, E3 = 10, nu12 = 0.3, nu23 = 0.2, nu13 = 0.1, G12 = 9, G23 = 8, G13 = 7)", of_strain),
                            ("transverse(E1 = 90, E2 = 20, nu12 = 0.25, nu23 = 0.3, G12 = 12, axis = [1, 2, 0])", of_stress),
-                           (f"2*{ISOTROPIC} + isotropic(lambda = 3, mu = 1)", of_strain)):
+                           (f"2*{ISOTROPIC} + isotropic(lambda = 3, mu = 1)", of_strain),
+                           *((oblique, memory) for oblique in OBLIQUE for memory in (of_strain, of_stress))):
         found = []
         for mesh, edge, value, at in (("rectangle(1, 1, cells = [2, 2])", "body.boundary", affine, "[0.4, 0.3]"),
                                       ("box(1, 1, 1, cells = [2, 2, 2])", "body.boundary", in_space, "[0.4, 0.3, 0.45]")):
@@ -332,7 +338,31 @@ report table m = mises(sigma) at {at}, zz = sigma.zz at {at}, xx = sigma.xx at {
         for name in plane:
             close(plane[name], space[name], 1e-10, space["m"] if name != "t" else None)
         xx, yy, zz, xy = (plane[k] for k in ("xx", "yy", "zz", "xy"))
-        close(plane["m"], math.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy ** 2), 1e-12)
+        in_plane = math.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy ** 2)
+        if tensor in OBLIQUE:
+            assert plane["m"] > 1.001 * in_plane, "shears across the plane"
+        else:
+            close(plane["m"], in_plane, 1e-12)
+    # A material that stands oblique in one half is none of the other's.
+    halves = []
+    for of_half in (f"transverse({TRANSVERSE}, axis = [1, 0, 1])", ISOTROPIC):
+        run(folder, f"""
+mesh body = rectangle(2, 1, cells = [4, 2])
+part half = body where x < 1
+part other = body - half
+part edge = body.boundary
+tensor B = isotropic(young = 70, poisson = 0.3)
+tensor D = {of_half}
+fn pushed() = {affine}
+space V = vector P1 on body, zero on edge
+find u in V with u = pushed() on edge such that for all v in V
+  integral(half, D : eps(u) : eps(v)) + integral(other, B : eps(u) : eps(v)) = integral(other, 1e-9*v.x)
+report table m = mises(D : eps(u)) at [0.4, 0.3], s = mises(sigma) at [0.4, 0.3], b = mises(B : eps(u)) at [1.6, 0.3], o = mises(sigma) at [1.6, 0.3]
+""")
+        halves.append(rows(folder)[-1])
+        close(halves[-1]["m"], halves[-1]["s"], 1e-12)
+        close(halves[-1]["b"], halves[-1]["o"], 1e-12)
+    assert abs(halves[0]["m"] - halves[1]["m"]) > 0.1 * halves[0]["m"]
     # Other unknowns beside u, whose gradients stand in integrals of their own or in one with those of u, change nothing.
     alone = """
 mesh body = rectangle(1, 1, cells = [3, 3])
