@@ -73,7 +73,9 @@ SCENES = {s.name: s for s in (
     Scene("wall", "wall.hvi", ("N=8",)), Scene("membrane", "membrane.hvi", ("n=4", "N=4")), Scene("advection", "advection.hvi", ("n=4", "N=4")),
     Scene("manufactured", "manufactured.hvi", ("n=4", "N=4")), Scene("manufactured3d", "manufactured3d.hvi", ("n=2", "N=3")),
     Scene("delamination", "delamination.hvi"), Scene("adapted", "slab_adapted.hvi", ("n=4",)), Scene("corners", "slab_corners.hvi", ("n=2",)),
-    Scene("bracket", "bracket.hvi", ("N=2", "size=2")))}
+    Scene("bracket", "bracket.hvi", ("N=2", "size=2")),
+    # Two bodies in contact, whose sides do not match; two unknowns that act on each other, with a law of each.
+    Scene("blocks", "blocks.hvi", ("n=4", "N=4")), Scene("warm_ground", "warm_ground.hvi", ("n=3", "N=4")))}
 
 
 def plain(text):
@@ -109,6 +111,20 @@ def content(path):
     except ValueError:
         return None
     return data
+
+
+PICTURES = (".png", ".svg")
+
+
+def same_but_pictures(found, whole):
+    """Two JSON files, which name the files of a run."""
+    def without(text):
+        data = json.loads(text)
+        return {**data, "files": [name for name in data["files"] if not name.endswith(PICTURES)]}
+    try:
+        return without(found) == without(whole)
+    except (ValueError, KeyError, TypeError):
+        return False
 
 
 def outputs(folder):
@@ -201,9 +217,9 @@ class Bench:
         for name, whole in self.first.files.items():
             found = end.files.get(name)
             if name not in end.files:
-                if not (warned and name.endswith((".png", ".svg"))):
+                if not (warned and name.endswith(PICTURES)):
                     out.append(f"{name} is missing")
-            elif name not in self.moving and found != whole:
+            elif name not in self.moving and found != whole and not (warned and same_but_pictures(found, whole)):
                 out.append(name)
         return out
 
@@ -333,7 +349,7 @@ def main():
     parser.add_argument("program", type=pathlib.Path)
     parser.add_argument("library", type=pathlib.Path)
     parser.add_argument("--kinds", default="alloc," + ",".join(ENVIRONMENT))
-    parser.add_argument("--scenes", default="slab,friction,block")
+    parser.add_argument("--scenes", default="slab,friction,block,blocks,warm_ground")
     parser.add_argument("--commands", default="")
     parser.add_argument("--points", type=int, default=10)
     parser.add_argument("--offset", type=int, default=0)
