@@ -77,7 +77,8 @@ public:
 
   std::vector<Edit> all() {
     if (d_.code == "W0101") unused();
-    if (d_.help == "leave it out") add({d_.primary, ""}, fmt::format("remove `{}`", written_));
+    if (d_.help == "leave it out")
+      add({d_.code == "W0109" ? setting() : d_.primary, ""}, fmt::format("remove `{}`", written_));
     for (const std::string& word : one_of(d_.help)) {
       in_place_of(d_.primary, word);
       out_.back().one_of_several = true;
@@ -97,6 +98,24 @@ private:
   }
   void insert(const Span& at, const std::string& text, const std::string& shown) {
     add({{at.file, at.begin, at.begin}, text}, fmt::format("add `{}`", shown));
+  }
+
+  /// A setting of `using`, of whose name the message is, with the comma that goes with it.
+  Span setting() const {
+    const auto& tokens = a_.tokens[0].tokens;
+    const auto name = std::ranges::find_if(
+        tokens, [&](const Token& token) { return token.span.begin == d_.primary.begin; });
+    int depth = 0;
+    auto end = name;
+    for (; end->kind != TokenKind::end && a_.text(end->span) != "such"; ++end) {
+      const bool opens = end->kind == TokenKind::open_paren || end->kind == TokenKind::open_bracket;
+      const bool closes =
+          end->kind == TokenKind::close_paren || end->kind == TokenKind::close_bracket;
+      depth += opens ? 1 : closes ? -1 : 0;
+      if (depth == 0 && end->kind == TokenKind::comma)
+        return {0, name->span.begin, std::next(end)->span.begin};
+    }
+    return {0, std::prev(name)->span.begin, std::prev(end)->span.end}; // with the comma, or `using`
   }
 
   void unused() {

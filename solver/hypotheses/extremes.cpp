@@ -175,8 +175,7 @@ std::optional<double> GramForm::largest(const SparseMatrix& k) const {
   const auto on = support(s);
   if (on.empty()) return 0.0;
   if (s.rows() <= dense_size) return dense_spectrum(s, g_)[s.rows() - 1];
-  if (static_cast<int>(on.size()) <= few)
-    return std::max(0.0, FormOnSome(*this, s, on).largest());
+  if (static_cast<int>(on.size()) <= few) return std::max(0.0, FormOnSome(*this, s, on).largest());
   if (const auto direct = extreme(*this, s, End::largest)) return direct;
   const auto opposite = least_negative(*this, -s); // it may be far smaller than the others
   return opposite ? std::optional(-*opposite) : std::nullopt;

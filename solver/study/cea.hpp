@@ -47,10 +47,11 @@ FineSolution fine_trajectory(const Problem& problem, std::shared_ptr<const Traje
 
 /// The terms for a run on that space and the plan's time grid. R_n u is integrated with u affine on
 /// a step and exact kernel integrals: an error of order k^2 ||v - u|| in S_n, which is itself of
-/// the order of ||M(v - u)||. Nothing for a static plan, for several unknowns, with inertia, where a
-/// law acts on u' or reads the solution or another multiplier (the paper's laws act on u alone),
-/// where forms, loads or laws change with states or in time, and where a law is unbounded (unilateral contact): J^0 is
-/// infinite there, the interpolant need not be admissible, and the inequality says nothing.
+/// the order of ||M(v - u)||. Nothing for a static plan, for several unknowns, with inertia, where
+/// a law acts on u' or reads the solution or another multiplier (the paper's laws act on u alone),
+/// where forms, loads or laws change with states or in time, and where a law is unbounded
+/// (unilateral contact): J^0 is infinite there, the interpolant need not be admissible, and the
+/// inequality says nothing.
 std::optional<CeaTerms> cea_terms(const FineSolution& solution, const Problem& problem,
                                   const Discretisation& coarse);
 
