@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Loads that read states: bodies that flow beyond a yield stress, creep and relax, against closed forms and an integrator of its own.
 
-usage: viscoplastic.py HVI_RUN
+usage: viscoplastic.py HVI_RUN EXAMPLES
 """
 import json
 import math
@@ -13,6 +13,7 @@ import tempfile
 from scipy.integrate import solve_ivp
 
 HVI = str(pathlib.Path(sys.argv[1]).resolve())
+EXAMPLES = pathlib.Path(sys.argv[2])
 failed = []
 
 
@@ -187,8 +188,16 @@ def stiff(folder):
         check(f"flow with a viscosity of {eta}", abs(s - 1 - 0.03 * eta) < 1e-9, s)
 
 
+def punched(folder):
+    """A block under a punch, on rough rigid ground: as the flow gets stiffer the answer goes to that of plasticity by eta."""
+    script = (EXAMPLES / "viscoplastic.hvi").read_text()
+    sinks = [run(folder, script, "-D", f"eta={eta}", "-D", "N=20")["final"]["sink"] for eta in (1e-2, 1e-3, 1e-4, 1e-5)]
+    steps = [abs(a - b) for a, b in zip(sinks, sinks[1:])]
+    check("a punched block, flow of 1e2 to 1e6 steps' stiffness", all(abs(a / b - 10) < 1 for a, b in zip(steps, steps[1:])), sinks)
+
+
 with tempfile.TemporaryDirectory() as room:
-    for family in (bars, shear, maxwell, stiff):
+    for family in (bars, shear, maxwell, stiff, punched):
         family(room)
 print(f"{len(failed)} failed")
 sys.exit(bool(failed))
