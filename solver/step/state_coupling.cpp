@@ -187,6 +187,7 @@ private:
     const Here place = here();
     contact_.state_values = wanted_;
     out_.equilibrium = renew_();
+    solver_.laws.prepare(equation_.n, equation_.known);
     judge();
     if (!(out_.equilibrium <= tolerance_)) go(place);
   }
