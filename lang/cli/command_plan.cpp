@@ -19,6 +19,8 @@ namespace hvi::lang {
 
 namespace {
 
+constexpr double long_wait = 5.0; ///< seconds from which it pays to change what BLAS does
+
 void print_forecast(const Forecast& f) {
   const auto& r = f.result;
   const auto& w = r.work;
@@ -39,6 +41,8 @@ void print_forecast(const Forecast& f) {
       f.memory.rehearsed > 0 ? fmt::format("; {} of its memory alone", f.memory.rehearsed) : "";
   say("predicted: {:.3g} s for {} step{}, without files (from the first {}{})\n", f.seconds(),
       f.steps, f.steps == 1 ? "" : "s", f.taken, rehearsed);
+  if (r.solver.solver == solver::LinearSolver::direct && f.seconds() > long_wait)
+    say("{}", advice_on_kernels());
   const auto room = solver::memory_room();
   const double more = f.most_bytes - solver::memory_held();
   say("memory: {} at most{}\n", solver::bytes_text(f.most_bytes),

@@ -2,6 +2,7 @@
 #include "lang/cli/memory_lines.hpp"
 
 #include "lang/cli/say.hpp"
+#include "solver/linear/blas_kernels.hpp"
 
 #include <fmt/format.h>
 
@@ -36,6 +37,15 @@ void print_solver(const solver::ChosenSolver& chosen) {
   if (chosen.why.empty()) return;
   const bool iterative = chosen.solver == solver::LinearSolver::iterative;
   say("linear systems: {}: {}\n", iterative ? "iterations" : "a factor", chosen.why);
+}
+
+std::string advice_on_kernels() {
+  const solver::BlasKernels kernels = solver::blas_kernels();
+  if (!kernels.outgrown) return {};
+  return fmt::format(
+      "note: OpenBLAS takes its kernels for {} here and has some for AVX-512, which this processor "
+      "knows: with OPENBLAS_CORETYPE=SkylakeX in the environment large factors take less time\n",
+      kernels.name);
 }
 
 } // namespace hvi::lang

@@ -15,5 +15,7 @@ void print_memory(const solver::Problem& problem,
 
 /// Which solver the run chose and why; nothing where it was asked for.
 void print_solver(const solver::ChosenSolver& chosen);
+/// A line for those who wait for large factors; empty where OpenBLAS knows the processor.
+std::string advice_on_kernels();
 
 } // namespace hvi::lang

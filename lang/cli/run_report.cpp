@@ -4,6 +4,7 @@
 #include "lang/cli/accuracy_report.hpp"
 #include "lang/cli/memory_lines.hpp"
 #include "lang/cli/say.hpp"
+#include "solver/linear/blas_kernels.hpp"
 #include "solver/output/table.hpp"
 #include "solver/results/report.hpp"
 
@@ -136,6 +137,8 @@ void print_profile(const solver::RunResult& r, double bandwidth) {
        "GB/s "
        "measured on this machine\nheld: {:.3g} MB (factors, matrices, memory)\n",
        t.factor_bytes_read / 1e6, bandwidth / 1e9, w.bytes / 1e6);
+  tell("BLAS: OpenBLAS with its kernels for {}\n{}", solver::blas_kernels().name,
+       advice_on_kernels());
 }
 
 } // namespace
