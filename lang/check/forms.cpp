@@ -143,6 +143,10 @@ bool Forms::check_integrand(const ModelTerm& term, const ast::FormTerm& written,
 
 void Forms::law_factors(ModelTerm& term, const ast::FormTerm&) {
   for (LawUse& use : term.integrand.laws) {
+    if (use.sees_gradient() && term.rule_given && term.rule == Rule::nodal)
+      mistakes_.error("E0414", use.span,
+                      fmt::format("`{}` sees a gradient, which has no value at nodes", use.name),
+                      "leave out `rule`: its points lie inside the cells");
     if (term.right) {
       mistakes_.error("E0410", use.span, "a superpotential stands on the left of >=",
                       "bring it to the left; its sign there is +");

@@ -46,6 +46,8 @@ std::optional<double> ratio(const Symbol& a, const Symbol& b) {
   return out;
 }
 
+constexpr std::size_t most_arguments = 3; ///< of a law
+
 /// A factor that an earlier row has up to rounding is that one: rows with the same sum are alike.
 double as_before(const std::vector<std::vector<solver::SeenField>>& rows, int field, double times) {
   for (const auto& row : rows)
@@ -57,18 +59,22 @@ double as_before(const std::vector<std::vector<solver::SeenField>>& rows, int fi
 
 } // namespace
 
-/// What the argument of a law is made of: u, u', memories; nothing (reported) when there is
-/// anything else than values in it.
+/// What the argument of a law is made of: u, u', memories, and inside a body their gradients;
+/// nothing (reported) when there is anything else in it.
 std::optional<std::set<int>> LawApplications::law_fields(const ast::Clarke& clarke,
                                                          const Field& at) {
   std::set<int> out;
+  const bool inside =
+      at_hand_.part >= 0 &&
+      model_.parts[static_cast<std::size_t>(at_hand_.part)].kind == solver::Group::Kind::cells;
   for (const Symbol& component : at.components)
     for (const solver::Slot s : solver::slots_of(component)) {
       if (!slot::is_field(s)) continue;
-      if (slot::is_field_gradient(s)) {
+      if (slot::is_field_gradient(s) && !inside) {
         mistakes_.error("E0414", clarke.at->span,
                         "M takes values of the unknown: its trace, a part of it or itself",
-                        "write `u.nu`, `u.tau`, a component, `u` or `u.nu - gap`");
+                        "write `u.nu`, `u.tau`, a component, `u` or `u.nu - gap`; laws see "
+                        "gradients inside a body only");
         return std::nullopt;
       }
       out.insert(slot::field_of(s));
@@ -111,8 +117,8 @@ std::optional<int> LawApplications::law_unknown(const ast::Clarke& clarke, const
 /// (reported)?
 bool LawApplications::stands_before(const ast::Clarke& clarke, const Symbol& own, int field,
                                     int unknown) {
-  for (int j = 0; j < unknowns_.components_of(unknown); ++j)
-    if (own.depends_on(slot::field(field, slot::of_unknown(unknown, slot::value(j))))) {
+  for (int j = 0; j < slot::own_derivatives; ++j)
+    if (own.depends_on(slot::field(field, slot::of_unknown(unknown, j)))) {
       mistakes_.error("E0403", clarke.at->span,
                       fmt::format("the argument of a law is linear in `{}{}`",
                                   unknowns_.name_of(unknown),
@@ -131,22 +137,21 @@ bool LawApplications::stands_before(const ast::Clarke& clarke, const Symbol& own
 bool LawApplications::law_rows_of_sums(const ast::Clarke& clarke, const Field& at,
                                        const Field& direction, const std::set<int>& fields,
                                        LawUse& use) {
-  const int d = unknowns_.components_of(use.unknown);
-  const auto own_value = [&](int i) { return slot::of_unknown(use.unknown, slot::value(i)); };
+  const auto own_slot = [&](int i) { return slot::of_unknown(use.unknown, i); };
   std::vector<std::pair<solver::Slot, Symbol>> at_rest;
   for (const int field : fields)
     for (int k = 0; k < slot::n_derivatives; ++k)
       at_rest.emplace_back(slot::field(field, k), Symbol(0.0));
   for (std::size_t c = 0; c < at.components.size(); ++c) {
     LawRow row;
-    for (int i = 0; i < d; ++i)
-      row.u.push_back(derivative(direction.components[c], slot::test(own_value(i))));
+    for (int i = 0; i < slot::own_derivatives; ++i)
+      row.u[i] = derivative(direction.components[c], slot::test(own_slot(i)));
     std::vector<solver::SeenField> seen;
     for (const int field : fields) {
       std::optional<double> times;
       std::vector<Symbol> own;
-      for (int i = 0; i < d; ++i) {
-        own.push_back(derivative(at.components[c], slot::field(field, own_value(i))));
+      for (int i = 0; i < slot::own_derivatives; ++i) {
+        own.push_back(derivative(at.components[c], slot::field(field, own_slot(i))));
         if (stands_before(clarke, own.back(), field, use.unknown)) return false;
         if (!times && !own.back().is(0.0)) times = ratio(own.back(), row.u[i]);
       }
@@ -179,9 +184,8 @@ bool LawApplications::law_rows_of_sums(const ast::Clarke& clarke, const Field& a
 /// `of_memory` times them.
 bool LawApplications::law_rows(const ast::Clarke& clarke, const Field& at, const Field& direction,
                                LawUse& use) {
-  const int d = unknowns_.components_of(use.unknown);
   const std::string& u = unknowns_.name_of(use.unknown);
-  const auto own_value = [&](int i) { return slot::of_unknown(use.unknown, slot::value(i)); };
+  const auto own_slot = [&](int i) { return slot::of_unknown(use.unknown, i); };
   const std::string seen = use.field == solver::field_of_u(1) ? u + "'" : u;
   std::optional<double> of_memory;
   std::vector<std::pair<solver::Slot, Symbol>> at_rest;
@@ -189,16 +193,16 @@ bool LawApplications::law_rows(const ast::Clarke& clarke, const Field& at, const
     at_rest.emplace_back(slot::field(use.field, k), Symbol(0.0));
   for (std::size_t c = 0; c < at.components.size(); ++c) {
     LawRow row;
-    for (int i = 0; i < d; ++i) {
-      Symbol own = derivative(at.components[c], slot::field(use.field, own_value(i)));
+    for (int i = 0; i < slot::own_derivatives; ++i) {
+      Symbol own = derivative(at.components[c], slot::field(use.field, own_slot(i)));
       if (stands_before(clarke, own, use.field, use.unknown)) return false;
-      const Symbol v = derivative(direction.components[c], slot::test(own_value(i)));
+      const Symbol v = derivative(direction.components[c], slot::test(own_slot(i)));
       if (solver::is_memory(use.field) && !own.is(0.0)) {
         if (!of_memory) of_memory = ratio(own, v);
         if (of_memory && agree(own, Symbol(*of_memory) * v)) own = v;
       }
-      row.u.push_back(own);
-      if (!agree(row.u.back(), v)) {
+      row.u[i] = own;
+      if (!agree(own, v)) {
         mistakes_.add(
             diagnose("E0414", clarke.direction->span,
                      fmt::format("the direction is not the argument with `{}` in place of `{}`",
@@ -248,10 +252,18 @@ bool LawApplications::is_pair_of_law(const ast::Clarke& clarke, const std::strin
                     fmt::format("write `{}^0({}.nu; {}.nu)`", law, u, v));
     return false;
   }
-  if (same_shape(at, direction) && at.rank <= 1) return true;
-  mistakes_.error(
-      "E0414", clarke.direction->span,
-      fmt::format("the direction is {}, the argument {}", describe(direction), describe(at)));
+  const bool same = same_shape(at, direction);
+  if (same && at.rank <= 1 && at.components.size() <= most_arguments) return true;
+  if (same)
+    mistakes_.error("E0414", clarke.at->span,
+                    fmt::format("the argument of `{}` is {}", law, describe(at)),
+                    "a law sees a number, or a vector of up to three: `eps(u).xy`, `div(u)`, or "
+                    "in the plane `[eps(u).xx, eps(u).yy, sqrt(2)*eps(u).xy]`, whose norm is that "
+                    "of the strain");
+  else
+    mistakes_.error(
+        "E0414", clarke.direction->span,
+        fmt::format("the direction is {}, the argument {}", describe(direction), describe(at)));
   return false;
 }
 

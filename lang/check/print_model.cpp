@@ -45,10 +45,16 @@ std::string text_of(const LawUse& use, const Model& model) {
   std::string rows;
   for (const LawRow& row : use.rows) {
     std::string sum;
-    for (std::size_t i = 0; i < row.u.size(); ++i)
-      if (!row.u[i].is(0.0))
-        sum += fmt::format("{}({}) {}_{}", sum.empty() ? "" : " + ", to_string(row.u[i]),
-                           model.unknowns[static_cast<std::size_t>(use.unknown)], "xyz"[i]);
+    for (std::size_t i = 0; i < row.u.size(); ++i) {
+      if (row.u[i].is(0.0)) continue;
+      const int of = static_cast<int>(i);
+      const char component = "xyz"[solver::slot::component_of(of)];
+      const std::string& u = model.unknowns[static_cast<std::size_t>(use.unknown)];
+      const std::string what = solver::slot::is_value(of)
+                                   ? fmt::format("{}_{}", u, component)
+                                   : fmt::format("d{}_{}/d{}", u, component, "xyz"[of % 3]);
+      sum += fmt::format("{}({}) {}", sum.empty() ? "" : " + ", to_string(row.u[i]), what);
+    }
     if (!row.offset.is(0.0)) sum += fmt::format(" + ({})", to_string(row.offset));
     rows += fmt::format("\n      row {}", sum);
   }

@@ -77,7 +77,6 @@ bool Sources::take(ModelTerm& term, const Span& span) {
     use.unknown = unknown;
     use.rule_of = rule_of;
     LawRow row;
-    row.u.assign(static_cast<std::size_t>(unknowns_.components_of(unknown)), Symbol(0.0));
     row.u[static_cast<std::size_t>(slot::component_of(tested))] = 1.0;
     row.offset = 0.0;
     use.rows.push_back(std::move(row));

@@ -8,6 +8,7 @@
 #include "solver/kernel/prony_series.hpp"
 #include "solver/plan/problem.hpp"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -27,10 +28,15 @@ Overloaded(F...) -> Overloaded<F...>;
 using Symbol = solver::Expr; ///< a scalar symbolic expression
 using Symbols3 = std::array<Symbol, 3>;
 
-/// Row c of a law's argument: sum_i u[i] u_i + offset.
+/// Row c of a law's argument: sum_i u[i] D_i u + offset, by derivative index (slot::value,
+/// slot::gradient).
 struct LawRow {
-  std::vector<Symbol> u;
+  std::array<Symbol, solver::slot::own_derivatives> u{};
   Symbol offset = 0.0;
+  bool sees_gradient() const {
+    return std::any_of(u.begin() + solver::slot::gradient(0, 0), u.end(),
+                       [](const Symbol& of) { return !of.is(0.0); });
+  }
 };
 
 /// One j^0( at; direction ) inside an integrand, times a factor.
@@ -48,6 +54,9 @@ struct LawUse {
   bool mean = false;          ///< of both sides of a pair
   std::optional<int> rule_of; ///< see solver::LawTerm
   std::vector<LawRow> rows;
+  bool sees_gradient() const {
+    return std::ranges::any_of(rows, [](const LawRow& row) { return row.sees_gradient(); });
+  }
 };
 
 /// factor * C : eps(w) : eps(v), with a tensor C of the model, w an unknown, its rate or a memory.

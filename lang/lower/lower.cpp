@@ -296,12 +296,14 @@ private:
     out.unknown = use.unknown;
     out.mean = use.mean;
     out.rule_of = use.rule_of;
-    out.rule = term.rule == solver::Rule::exact ? solver::Rule::gauss : term.rule;
+    const bool by_gauss = term.rule == solver::Rule::exact ||
+                          (use.sees_gradient() && term.rule == solver::Rule::nodal);
+    out.rule = by_gauss ? solver::Rule::gauss : term.rule; // there are no gradients at nodes
     out.effect = model_.laws[use.law].spec.radial ? Effect::friction : Effect::normal_law;
     out.factor = factor;
     for (const LawRow& row : use.rows) {
       solver::LawTerm::Row r;
-      for (std::size_t i = 0; i < row.u.size(); ++i) r.u[i] = row.u[i];
+      r.u = row.u;
       r.offset = row.offset;
       out.rows.push_back(std::move(r));
     }

@@ -1,5 +1,6 @@
 // Quadrature points of a superpotential: int factor j^0( arg(u); arg'(v) ), with
-// arg(u)_c = sum_i rows[c].u[i] u_i + offset_c, as a sparse matrix G from dofs to arguments.
+// arg(u)_c = sum_i rows[c].u[i] D_i u + offset_c, as a sparse matrix G from dofs to arguments; D_i
+// u are values of u and, at points inside the cells, of its gradient.
 //
 // A radial law sees its vector argument through the norm only. Its rows are replaced by Q^T rows,
 // with Q an orthonormal basis of their range at the point: |Q^T R u| = |R u|, and 2D friction on
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <unordered_map>
 
 namespace hvi::solver {
@@ -22,7 +24,7 @@ namespace {
 /// it.
 constexpr double as_one = 1e-12;
 
-/// One point before merging. rows: R, arguments x components.
+/// One point before merging. rows: R, arguments x derivatives of u.
 struct RawPoint {
   Point x, normal;
   double weight;
@@ -69,7 +71,7 @@ void check_shape(const SpaceBlock& block, const LawTerm& term, bool radial) {
         fmt::format("a {} law with {} arguments", radial ? "radial" : "scalar", term.rows.size()));
   }
   for (const auto& row : term.rows) {
-    for (int i = block.components; i < 3; ++i) {
+    for (int i = block.components; i < 3; ++i) { // those of the gradient: decode()
       if (row.u[i].is(0.0)) {
         continue;
       }
@@ -80,12 +82,32 @@ void check_shape(const SpaceBlock& block, const LawTerm& term, bool radial) {
   }
 }
 
+/// The derivative indices that rows have columns for: all values, and what a row sees of the
+/// gradient.
+std::vector<int> derivatives_of(const SpaceBlock& block, const LawTerm& term) {
+  std::vector<int> out(static_cast<std::size_t>(block.components));
+  std::iota(out.begin(), out.end(), slot::value(0));
+  for (int i = slot::gradient(0, 0); i < slot::own_derivatives; ++i)
+    if (std::ranges::any_of(term.rows, [&](const auto& row) { return !row.u[i].is(0.0); }))
+      out.push_back(i);
+  return out;
+}
+
+/// Where the points of a law stand. Gradients have no values at nodes; they are of one degree less,
+/// and more points than see all of them would state the same twice.
+RegionPoints points_on(const Space& space, const Region& region, const LawTerm& term, int order) {
+  if (!term.sees_gradient()) return {space, region, term.rule, 2 * (order + 1), order};
+  const bool one = order == 1 || term.rule == Rule::midpoint;
+  return {space, region, one ? Rule::midpoint : Rule::exact, 2 * (order - 1), order};
+}
+
 /// Evaluates factor and rows at all points of the region that have a weight.
 class Collector {
 public:
   Collector(const Space& space, const Region& region, const LawTerm& term)
       : space_(space), block_(block_of(space, term)), order_(order_of_points(space, term)),
-        region_(region), term_(term), tape_(expressions(term)) {}
+        region_(region), term_(term), derivatives_(derivatives_of(block_, term)),
+        tape_(expressions()) {}
 
   std::vector<RawPoint> collect(const Pairing& pairing) {
     add(as_block(space_, pairing), pairing.x.size());
@@ -96,22 +118,22 @@ public:
   std::vector<RawPoint> collect() {
     const int dim = dimension_of(*space_.mesh, region_);
     local_nodes_ = nodal_rule_nodes(dim, dim == 0 ? 1 : order_);
-    const RegionPoints points(space_, region_, term_.rule, 2 * (order_ + 1), order_);
+    const RegionPoints points = points_on(space_, region_, term_, order_);
     points.for_blocks([&](const PointBlock& block) { add(block, points.per_entity()); });
     return std::move(raw_);
   }
 
 private:
-  static std::vector<Expr> expressions(const LawTerm& term) {
-    std::vector<Expr> all{term.factor};
-    for (const auto& row : term.rows) {
-      all.insert(all.end(), row.u.begin(), row.u.end());
-    }
+  std::vector<Expr> expressions() const {
+    std::vector<Expr> all{term_.factor};
+    for (const auto& row : term_.rows)
+      for (const int i : derivatives_) all.push_back(row.u[i]);
     return all;
   }
   void add(const PointBlock& block, std::size_t per_entity) {
     const std::size_t n = block.size();
-    values_.resize(n * (1 + 3 * term_.rows.size()));
+    const std::size_t columns = derivatives_.size();
+    values_.resize(n * (1 + columns * term_.rows.size()));
     tape_.evaluate(block, 0.0, term_.origin, values_);
     for (std::size_t p = 0; p < n; ++p) {
       // A side on the axis has no area.
@@ -127,10 +149,11 @@ private:
       if (!region_.is_pair()) point.node = node_of(block.entity[p], p % per_entity);
       if (point.node >= 0 && region_.kind == Group::Kind::facets)
         point.rounding = rounding_of_normal(*space_.mesh, block.entity[p]);
-      point.rows.resize(static_cast<Eigen::Index>(term_.rows.size()), block_.components);
+      point.rows.resize(static_cast<Eigen::Index>(term_.rows.size()),
+                        static_cast<Eigen::Index>(columns));
       for (Eigen::Index c = 0; c < point.rows.rows(); ++c) {
-        for (int i = 0; i < block_.components; ++i) {
-          point.rows(c, i) = values_[(1 + 3 * std::size_t(c) + i) * n + p];
+        for (Eigen::Index i = 0; i < point.rows.cols(); ++i) {
+          point.rows(c, i) = values_[(1 + columns * std::size_t(c) + std::size_t(i)) * n + p];
         }
       }
       if (!point.rows.allFinite()) {
@@ -166,6 +189,7 @@ private:
   const int order_; ///< of the rule
   const Region& region_;
   const LawTerm& term_;
+  const std::vector<int> derivatives_;
   Pointwise tape_;
   std::vector<int> local_nodes_;
   std::vector<double> values_;
@@ -269,28 +293,45 @@ struct RowPlaces {
   }
 };
 
-/// Row (p, c), column dof (i, k): rows_p(c, k) phi_i(x_p), k among the components of an unknown.
-void add_rows(const Space& space, const SpaceBlock& block, const std::vector<RawPoint>& raw,
+/// What the columns of rows stand for.
+struct SeenDerivatives {
+  const SpaceBlock& block;
+  std::vector<Derivative> of_column;
+  bool gradients = false;
+};
+
+SeenDerivatives seen_derivatives(const Space& space, int unknown, const std::vector<int>& indices,
+                                 Origin origin) {
+  SeenDerivatives out{space.blocks[static_cast<std::size_t>(unknown)], {}};
+  for (const int i : indices) {
+    out.of_column.push_back(decode(space, slot::of_unknown(unknown, i), origin));
+    out.gradients = out.gradients || !slot::is_value(i);
+  }
+  return out;
+}
+
+/// Row (p, c), column dof (i, component of D_k): rows_p(c, k) (D_k phi_i)(x_p), D_k the values and
+/// derivatives of the unknown that rows have columns for.
+void add_rows(const Space& space, const SeenDerivatives& seen, const std::vector<RawPoint>& raw,
               const RowPlaces& places, Triplets& triplets) {
   ShapeTable shapes;
-  const int values = block.order < space.order ? linear_rows : 0;
+  const SpaceBlock& block = seen.block;
   for (std::size_t p = 0; p < raw.size(); ++p) {
     const RawPoint& point = raw[p];
-    evaluate_shapes(space, {}, point.barycentric, false, shapes);
+    const CellGeometry geometry =
+        seen.gradients ? cell_geometry(*space.mesh, point.cell) : CellGeometry{};
+    evaluate_shapes(space, geometry, point.barycentric, seen.gradients, shapes);
     const auto nodes = space.nodes_of_cell(point.cell);
     for (int i = 0; i < shapes.size; ++i) {
       // Nodal points: shape functions of other nodes are zero there up to rounding.
       // (Of P1 beside P2 they have values at every node.)
       const bool own_node = point.node >= 0 && block.order == space.order;
-      const double phi = own_node ? (nodes[i] == point.node ? 1.0 : 0.0) : shapes.at(values, i);
-      for (Eigen::Index c = 0; c < point.rows.rows() && phi != 0.0; ++c) {
-        for (int k = 0; k < block.components; ++k) {
-          const double value = phi * point.rows(c, k);
-          if (value == 0.0) {
-            continue;
-          }
-          triplets.emplace_back(places.of(p, c), space.dof(nodes[i], block.first + k), value);
-        }
+      for (std::size_t k = 0; k < seen.of_column.size(); ++k) {
+        const auto [component, row] = seen.of_column[k];
+        const double phi = own_node ? (nodes[i] == point.node ? 1.0 : 0.0) : shapes.at(row, i);
+        for (Eigen::Index c = 0; c < point.rows.rows() && phi != 0.0; ++c)
+          if (const double value = phi * point.rows(c, static_cast<Eigen::Index>(k)); value != 0.0)
+            triplets.emplace_back(places.of(p, c), space.dof(nodes[i], component), value);
       }
     }
   }
@@ -351,12 +392,15 @@ LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& 
   Triplets triplets;
   const SparseMatrix straight =
       out.jump && space.is_mixed() ? straightened(space, *out.jump) : SparseMatrix();
-  const auto add = [&](const SpaceBlock& of, bool mean, const RowPlaces& places) {
+  const auto add = [&](int unknown, const std::vector<int>& derivatives, bool mean,
+                       const RowPlaces& places) {
+    const SpaceBlock& of = space.blocks[static_cast<std::size_t>(unknown)];
     const SparseMatrix* const jump = of.order < space.order ? &straight : out.jump.get();
     out.jump ? add_rows_across(space, of, *jump, mean, raw, places, triplets)
-             : add_rows(space, of, raw, places, triplets);
+             : add_rows(space, seen_derivatives(space, unknown, derivatives, term.origin), raw,
+                        places, triplets);
   };
-  add(block, term.mean, {out.rows, 0});
+  add(term.unknown, derivatives_of(block, term), term.mean, {out.rows, 0});
   out.g = from_triplets(space, raw.size() * static_cast<std::size_t>(out.rows), triplets);
   if (with_trace) {
     const int per_point =
@@ -366,9 +410,10 @@ LawPoints assemble_law(const Space& space, const Region& region, const LawTerm& 
       const int n = space.blocks[b].components;
       for (RawPoint& point : raw) point.rows = DenseMatrix::Identity(n, n);
       const auto first = static_cast<int>(b);
-      add(space.blocks[b], false, {per_point, LawPoints::traced(slot::of_unknown(first, 0))});
+      const std::vector<int> values = derivatives_of(space.blocks[b], {});
+      add(first, values, false, {per_point, LawPoints::traced(slot::of_unknown(first, 0))});
       if (out.jump)
-        add(space.blocks[b], true,
+        add(first, values, true,
             {per_point, LawPoints::traced(slot::of_unknown(first, slot::mean(0)))});
     }
     out.trace = from_triplets(space, raw.size() * static_cast<std::size_t>(per_point), triplets);

@@ -87,6 +87,7 @@ private:
                        const Origin& origin);
   Origin law_on_memory() const;
   Origin law_origin(int field) const;
+  std::string not_compact(bool on_rates) const;
   /// The law that softens most: it decides (H0).
   Origin worst_law() const;
   void judge_smallness();

@@ -75,23 +75,34 @@ void Judgement::judge_law(const TermConstants& law, const LawTerm& term, Descent
       .known = law.m;
 }
 
+/// Laws on the unknown, or on its rate, that see gradients: M takes V into L^2 and is bounded, but
+/// not compact. Empty: there are none.
+std::string Judgement::not_compact(bool on_rates) const {
+  for (const LawTerm& term : problem_.law_terms)
+    if (is_rate(term.field) == on_rates && term.sees_gradient())
+      return fmt::format("; `{}` sees a gradient: M is not compact", term.name);
+  return {};
+}
+
 /// What the laws' arguments do to norms.
 void Judgement::judge_traces() {
   const TraceNorms norms = numbers_.traces();
   c().norm_normal = norms.normal, c().norm_tangential = norms.tangential;
   c().norm_full = norms.full, c().norm_script = numbers_.script_norm(field_of_u(0));
   if (facts_.has_laws) {
+    const std::string rough = not_compact(false);
     const char* which = facts_.has_rate_laws ? "all laws on the unknown" : "all laws";
     row("H(M)", "M is bounded and compact: ||M||^2", c().norm_script,
-        yes(std::isfinite(c().norm_script)), law_origin(field_of_u(0)),
+        yes(std::isfinite(c().norm_script) && rough.empty()), law_origin(field_of_u(0)),
         fmt::format("the arguments of {}, on this mesh; traces: normal {:.6g}, tangential {:.6g}, "
-                    "full {:.6g}",
-                    which, norms.normal, norms.tangential, norms.full));
+                    "full {:.6g}{}",
+                    which, norms.normal, norms.tangential, norms.full, rough));
   }
   if (!facts_.has_rate_laws) return;
   const double norm = numbers_.script_norm(field_of_u(1));
   row("H(M)", "M of the laws on the rate is bounded and compact: ||M||^2", norm,
-      yes(std::isfinite(norm)), law_origin(field_of_u(1)), "on this mesh");
+      yes(std::isfinite(norm) && not_compact(true).empty()), law_origin(field_of_u(1)),
+      "on this mesh" + not_compact(true));
 }
 
 void Judgement::judge_laws() {

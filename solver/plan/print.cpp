@@ -264,7 +264,13 @@ private:
     if (term.mean) line("  of the mean of both sides");
     for (std::size_t c = 0; c < term.rows.size(); ++c) {
       const auto& row = term.rows[c];
-      line("  argument {} . {} + {}", expressions({row.u.begin(), row.u.end()}), seen_by(term, c),
+      const auto gradient = row.u.begin() + slot::gradient(0, 0);
+      const std::string seen = seen_by(term, c),
+                        of_gradient = row.sees_gradient()
+                                          ? fmt::format(" + {} . grad {}",
+                                                        expressions({gradient, row.u.end()}), seen)
+                                          : "";
+      line("  argument {} . {}{} + {}", expressions({row.u.begin(), gradient}), seen, of_gradient,
            to_string(row.offset));
     }
   }

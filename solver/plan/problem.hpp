@@ -14,6 +14,7 @@
 #include "solver/mesh/mesh.hpp"
 #include "solver/plan/tensor.hpp"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <memory>
@@ -207,14 +208,20 @@ struct SeenField {
 };
 
 /// factor * int_part law^0( arg(w); arg'(v) ), w the field. Argument component c is
-///   sum_i rows[c].u[i] w_i + rows[c].offset,   coefficients of slot::x, slot::normal, offset also
-///   of t, w_i the components of one unknown.
+///   sum_i rows[c].u[i] D_i w + rows[c].offset,   coefficients of slot::x, slot::normal, offset
+///   also of t, D_i w the components of one unknown and, inside a body, of its gradient
+///   (slot::value, slot::gradient). Laws that see gradients have their points inside the cells.
 /// One row: a scalar law. dim rows: a radial law of a vector; the engine reduces the rows to an
 /// orthonormal basis of their range (2D u.tau: one row, 3D: two).
 struct LawTerm {
   struct Row {
-    std::array<Expr, 3> u{Expr(0.0), Expr(0.0), Expr(0.0)};
+    std::array<Expr, slot::own_derivatives> u{}; ///< by derivative index
     Expr offset = 0.0;
+
+    bool sees_gradient() const {
+      return std::any_of(u.begin() + slot::gradient(0, 0), u.end(),
+                         [](const Expr& of) { return !of.is(0.0); });
+    }
   };
   Origin origin;
   std::string name; ///< of the law, for `layer.xi`
@@ -233,6 +240,10 @@ struct LawTerm {
   Effect effect = Effect::normal_law;
   Expr factor = 1.0;     ///< positive, of slot::x and slot::normal
   std::vector<Row> rows; ///< offsets: of states of the part, too
+
+  bool sees_gradient() const {
+    return std::any_of(rows.begin(), rows.end(), [](const Row& of) { return of.sees_gradient(); });
+  }
 };
 
 /// ---- states --------------------------------------------------------------------------------

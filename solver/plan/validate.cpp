@@ -258,15 +258,19 @@ private:
     for (const auto& row : term.rows) {
       for (std::size_t i = 0; i < row.u.size(); ++i) {
         variables(row.u[i], of_facet, term.origin, "the argument of a law");
-        if (static_cast<int>(i) >= components && !row.u[i].is(0.0))
-          wrong(term.origin,
-                fmt::format("the argument of a law has component {} of u, of {}", i, components));
+        const int component = slot::component_of(static_cast<int>(i));
+        if (component >= components && i != slot::hoop && !row.u[i].is(0.0))
+          wrong(term.origin, fmt::format("the argument of a law has component {} of u, of {}",
+                                         component, components));
       }
       variables(row.offset, of_argument, term.origin, "the argument of a law");
     }
+    if (term.sees_gradient() && (is_pair(term.part) || term.rule == Rule::nodal))
+      wrong(term.origin, "a law sees a gradient at nodes or on a pair, where there is none");
     if (!index(term.law, count(problem_.laws), term.origin, "a law term", "law")) return;
     const auto& law = problem_.laws[static_cast<std::size_t>(term.law)];
-    const int most = law.radial ? dim_ : 1;
+    constexpr int most_of_gradients = 3;
+    const int most = !law.radial ? 1 : term.sees_gradient() ? most_of_gradients : dim_;
     if (term.rows.empty() || count(term.rows) > most)
       wrong(term.origin, fmt::format("the argument of a law has {} rows; {} law has {}",
                                      term.rows.size(), law.radial ? "a radial" : "a scalar",

@@ -192,12 +192,62 @@ TEST(LawPoints, FramesAreOrthonormalAndKeepTheNorm) {
   }
 }
 
+/// u.x + 2 du_0/dx_j + x du_last/dx_0, j the last direction.
+LawTerm gradient_law(int dim) {
+  LawTerm term = normal_law(0, Rule::gauss);
+  term.rows[0].u[slot::value(0)] = 1.0;
+  term.rows[0].u[slot::gradient(0, dim - 1)] = 2.0;
+  term.rows[0].u[slot::gradient(dim - 1, 0)] = term.rows[0].u[slot::gradient(dim - 1, 0)] + Expr(x);
+  return term;
+}
+
+TEST(LawPoints, EvaluatesGradientsInsideTheCells) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    const Mesh mesh = skew_mesh(dim, 2);
+    for (int order = 1; order <= 2; ++order) {
+      const Space space = make_space(mesh, order, dim);
+      const Expr q = order == 1 ? Expr(0.5) : x;
+      const std::array<Expr, 3> all{x * q + Expr(3.0) * y + z, Expr(2.0) * x - y, z - x * q};
+      const std::vector<Expr> field(all.begin(), all.begin() + dim);
+      const Vector u = interpolate(space, field, 0, Origin{});
+      const LawTerm term = gradient_law(dim);
+      const LawPoints p = assemble_law(space, all_cells(mesh), term, 0, false);
+      EXPECT_NEAR(sum(p.weight), measure_of(mesh, all_cells(mesh)), 1e-13);
+      const std::size_t points_of_degree_2[] = {2, 3, 4};
+      EXPECT_EQ(p.x.size(), mesh.cells.size() * (order == 1 ? 1 : points_of_degree_2[dim - 1]));
+      const Vector found = p.g * u;
+      Expr expected = field[0];
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+          expected =
+              expected + term.rows[0].u[slot::gradient(i, j)] * derivative(field[i], slot::x(j));
+      for (std::size_t k = 0; k < p.x.size(); ++k) {
+        EXPECT_EQ(p.node[k], -1);
+        EXPECT_NEAR(found[static_cast<Eigen::Index>(k)], slow_value(expected, p.x[k], {}, 0.0),
+                    1e-12);
+      }
+    }
+  }
+}
+
+TEST(LawPoints, StrainsAlongTheCirclesOfRings) {
+  Mesh mesh = box_mesh(2, {2, 2, 0});
+  mesh.axisymmetric = true;
+  const Space space = make_space(mesh, 1, 2);
+  LawTerm term = normal_law(0, Rule::gauss);
+  term.rows[0].u[slot::hoop] = 1.0;
+  const std::vector<Expr> field{Expr(3.0) * x, y};
+  const LawPoints p = assemble_law(space, all_cells(mesh), term, 0, false);
+  const Vector found = p.g * interpolate(space, field, 0, Origin{});
+  for (Eigen::Index k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k], 3.0, 1e-13);
+}
+
 TEST(LawPoints, FullVectorsAndScaledRowsKeepTheirRank) {
   const Mesh mesh = skew_mesh(3, 1);
   const Space space = make_space(mesh, 1, 3);
   LawTerm term = friction(3);
   for (int c = 0; c < 3; ++c) {
-    term.rows[c].u = {Expr(0.0), Expr(0.0), Expr(0.0)};
+    term.rows[c].u = {};
     term.rows[c].u[c] = Expr(c == 0 ? 1e-4 : 2.0);
   }
   const LawPoints p = assemble_law(space, skin(mesh), term, 0, true);
@@ -213,7 +263,7 @@ TEST(LawPoints, ZeroRowsOfARadialLawAreAnError) {
   const Mesh mesh = skew_mesh(2, 1);
   const Space space = make_space(mesh, 1, 2);
   LawTerm term = friction(2);
-  for (auto& row : term.rows) row.u = {Expr(0.0), Expr(0.0), Expr(0.0)};
+  for (auto& row : term.rows) row.u = {};
   EXPECT_THROW(assemble_law(space, skin(mesh), term, 0, true), Failure);
 }
 
