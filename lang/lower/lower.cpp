@@ -299,7 +299,8 @@ private:
     const bool by_gauss = term.rule == solver::Rule::exact ||
                           (use.sees_gradient() && term.rule == solver::Rule::nodal);
     out.rule = by_gauss ? solver::Rule::gauss : term.rule; // there are no gradients at nodes
-    out.effect = model_.laws[use.law].spec.radial ? Effect::friction : Effect::normal_law;
+    const bool rubs = model_.laws[use.law].spec.radial && !use.sees_gradient();
+    out.effect = rubs ? Effect::friction : Effect::normal_law;
     out.factor = factor;
     for (const LawRow& row : use.rows) {
       solver::LawTerm::Row r;

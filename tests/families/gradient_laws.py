@@ -252,6 +252,9 @@ def compare(program, scene, folder):
     judged = subprocess.run([program, "check", path], capture_output=True, text=True, timeout=300)
     if "M is not compact" not in " ".join(judged.stdout.split()):
         return "`check` takes M for compact"
+    planned = subprocess.run([program, "plan", path], capture_output=True, text=True, timeout=300)
+    if "law `inner` on `all`" not in planned.stdout:
+        return "`plan` names another effect"
     answer = json.loads((folder / "out.json").read_text())
     names = [name for name in answer["table"] if name not in ("t", "event")]
     found = numpy.array([answer["table"][name] for name in names]).T[-max(1, scene.steps):]
