@@ -191,8 +191,10 @@ CurveStep CurveWalk::step(double target) {
   const double longest = longest_curved(equations_, now_, stride_);
   const bool curved = longest < infinity;
   if (curved && e.point >= 0 &&
-      e.length * std::abs(now_.tangent.way[e.point]) <= on_break * 0.1 * equations_.size())
+      e.length * std::abs(now_.tangent.way[e.point]) <= on_break * 0.1 * equations_.size()) {
+    ++steps_; // points that are at their ends together may take turns for ever
     return cross(equations_, now_, e); // it is there already
+  }
   if (curved) return step_on_curved(std::min(1.05 * e.length, longest), target);
   if (e.point == none || !go(e.length)) return CurveStep::failed;
   if (e.point != by_load) return cross(equations_, now_, e);

@@ -43,7 +43,7 @@ public:
   void find_turn(const CurvePosition& before);
 
   const CurvePosition& here() const { return now_; }
-  int steps() const { return steps_; } ///< segments, and steps on curved pieces
+  int steps() const { return steps_; } ///< segments, steps on curved pieces, turns at corners
   bool may_go_on() const { return steps_ < most_curve_steps(equations_.problem().size()); }
 
 private:

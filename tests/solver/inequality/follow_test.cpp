@@ -1,6 +1,7 @@
 // Branches followed from the last state: limit points by hand, and answers that do not depend on
 // the number of steps.
 #include "problems.hpp"
+#include "solver/inequality/curve_walk.hpp"
 #include "solver/inequality/equilibrium_curve.hpp"
 
 #include <gtest/gtest.h>
@@ -318,6 +319,29 @@ TEST(Follow, AVisitCountsTheStepsOfBothWays) {
   };
   EXPECT_GE(steps(0.0, 50.0), 6);
   EXPECT_GE(steps(0.0, -50.0), 6);
+}
+
+/// Points that leave their corners together, onto pieces that fall, may take turns without a step
+/// between them: six on a chain of springs do so for ever. The visit ends all the same.
+TEST(Follow, AVisitEndsWherePointsTakeTurns) {
+  const Expr up = Expr(0.122) + Expr(0.163) * exp(Expr(-30.0) * arg()),
+             down = Expr(-0.122) - Expr(0.163) * exp(Expr(30.0) * arg());
+  Bench setup = one_spring(select(less(arg(), Expr(0.0)), down, up));
+  const PreparedLaw law(*setup.owned[0], setup.problem.graphs[0]);
+  const CurveGraph graph(law);
+  for (int n = 4; n <= 8; ++n) {
+    DenseMatrix stiffness = 3.0 * DenseMatrix::Identity(n, n);
+    for (int p = 0; p + 1 < n; ++p) stiffness(p, p + 1) = stiffness(p + 1, p) = -1.0;
+    const DenseMatrix compliance = stiffness.inverse();
+    const std::vector<CurvePoint> points(static_cast<std::size_t>(n), {&graph, 1.0});
+    const EquilibriumCurve curve(compliance, points);
+    const Vector load = compliance * Vector::Constant(n, 0.135);
+    int solutions = 0;
+    const int steps = curve.visit(Vector::Zero(n), Vector::Zero(n), load,
+                                  [&](const CurveState&) { ++solutions; });
+    EXPECT_GE(solutions, 1) << n; // of the points at rest
+    EXPECT_LE(steps, 2 * (most_curve_steps(n) + 80)) << n;
+  }
 }
 
 } // namespace
