@@ -134,12 +134,11 @@ std::vector<Failure> outside_domains(const Plan& plan, const Discretisation& d) 
     for (const auto& entry : form.entries) read.add(entry.test), read.add(entry.trial);
     checks.on_part(read, form.part, form.origin, "a form");
   }
-  for (const auto* loads : {&problem.loads, &problem.state_loads})
-    for (const LoadTerm& load : *loads) {
-      Read read;
-      for (const auto& entry : load.entries) read.add(entry.test);
-      checks.on_part(read, load.part, load.origin, "a load");
-    }
+  for (const LoadTerm& load : all_loads(problem)) {
+    Read read;
+    for (const auto& entry : load.entries) read.add(entry.test);
+    checks.on_part(read, load.part, load.origin, "a load");
+  }
   check_laws(problem, d, checks);
   for (const StateTerm& state : problem.states) {
     Read read;

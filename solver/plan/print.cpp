@@ -89,8 +89,7 @@ public:
     for (std::size_t l = 0; l < problem_.laws.size(); ++l) law(l);
     for (std::size_t l = 0; l < problem_.law_terms.size(); ++l) law_term(l);
     for (std::size_t i = 0; i < problem_.states.size(); ++i) state(i);
-    for (const auto* loads : {&problem_.loads, &problem_.state_loads})
-      for (const auto& term : *loads) load(term);
+    for (const auto& term : all_loads(problem_)) load(term);
     time();
     print(options);
     print(report);

@@ -19,6 +19,8 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <ranges>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -341,6 +343,11 @@ struct Problem {
   TimeSpec time;
   std::vector<EffectNote> effects;
 };
+
+/// Those that read states, too.
+inline auto all_loads(const Problem& problem) {
+  return std::views::join(std::array{std::span(problem.loads), std::span(problem.state_loads)});
+}
 
 /// How fast row `row` moves with the increment of u, fields moving by these factors.
 template <class Factors>
