@@ -22,7 +22,9 @@ constexpr std::array table = {
     BuiltIn{"cos", K::pointwise, "cos(a)", "cosine"},
     BuiltIn{"cosh", K::pointwise, "cosh(a)", "hyperbolic cosine"},
     BuiltIn{"erf", K::pointwise, "erf(a)", "error function"},
-    BuiltIn{"erfc", K::pointwise, "erfc(a)", "complementary error function, 1 - erf(a)"},
+    BuiltIn{"erfc", K::pointwise, "erfc(a)",
+            "complementary error function, 1 - erf(a); write exp(a^2)*erfc(a), infinity times 0 "
+            "beyond a = 27, as erfcx(a)"},
     BuiltIn{"erfcx", K::pointwise, "erfcx(a)",
             "exp(a^2)*erfc(a), which neither overflows nor vanishes where a is large"},
     BuiltIn{"exp", K::pointwise, "exp(a)", "exponential"},
