@@ -11,8 +11,8 @@ namespace hvi::lang {
 class Expectations {
 public:
   Expectations(const Context& context, Results& results)
-      : mistakes_(context.mistakes), model_(context.model), evaluator_(context.evaluator),
-        results_(results) {}
+      : options_(context.options), mistakes_(context.mistakes), model_(context.model),
+        evaluator_(context.evaluator), results_(results) {}
 
   void read(const ast::Program& script);
   /// Of which column an accuracy is asked for.
@@ -20,7 +20,10 @@ public:
 
 private:
   void require_column(const std::string& name, const Span& place);
+  bool has_row(double t) const;
+  void require_row(const Expectation& e, const Span& time);
 
+  const CheckOptions& options_;
   Mistakes& mistakes_;
   Model& model_;
   Evaluator& evaluator_;

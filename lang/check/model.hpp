@@ -7,6 +7,7 @@
 #include "solver/plan/report.hpp"
 #include "solver/plan/tensor.hpp"
 
+#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
@@ -119,6 +120,9 @@ struct Expectation {
   bool relative = false, active = true;
   std::string source;
 };
+
+/// Is a row of this time the one that is meant by t?
+inline bool is_at(double row, double t) { return std::abs(row - t) <= 1e-12 * (1.0 + std::abs(t)); }
 
 struct StudyLadder {
   std::string parameter;

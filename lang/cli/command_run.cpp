@@ -68,8 +68,7 @@ std::optional<double> value_at(const solver::RunResult& result, const Expectatio
   auto column = result.columns.find(e.probe);
   if (column == result.columns.end()) return std::nullopt;
   for (std::size_t i = 0; i < result.times.size(); ++i)
-    if (std::abs(result.times[i] - *e.time) <= 1e-12 * (1.0 + std::abs(*e.time)))
-      return column->second[i];
+    if (is_at(result.times[i], *e.time)) return column->second[i];
   return std::nullopt;
 }
 

@@ -75,6 +75,15 @@ a parameter, which may have another value.)",
 find u in V for t in [0, 1] by 8 steps from u = 0 using scheme = newmark, hht_alpha = -0.1)",
      R"(
 find u in V for t in [0, 1] by 8 steps from u = 0 using scheme = hht, hht_alpha = -0.1)"},
+    {"W0110", "expectation without a row",
+     R"(
+An expectation asks for the value of a column at a time at which no table has a row: `hvi-run test` finds
+nothing to judge, and it fails. Rows are those of the steps, with `every 4 steps` of each fourth and the
+last one. Not said where parameters have other values than the script gives them.)",
+     R"(
+find u in V for t in [0, 1] by 8 steps from u = 0 ... report table a = u.y at [1, 0] expect a at t = 0.3 = 0 within 1e-9)",
+     R"(
+find u in V for t in [0, 1] by 10 steps from u = 0 ... report table a = u.y at [1, 0] expect a at t = 0.3 = 0 within 1e-9)"},
     {"W0601",
      "picture not drawn",
      R"(
