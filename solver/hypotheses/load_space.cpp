@@ -30,6 +30,9 @@ bool of_place_and_time(const Expr& e) {
   return std::ranges::all_of(e.slots(), [](Slot s) { return is_coordinate(s) || s == slot::t; });
 }
 
+bool is_membership(Slot s) { return s >= slot::first_inside && s < slot::first_state; }
+bool is_normal(Slot s) { return s >= slot::normal(0) && s <= slot::normal(2); }
+
 bool is_affine(const Expr& e) {
   Expr slopes = 0.0;
   for (int j = 0; j < 3; ++j) slopes = slopes + abs(derivative(e, slot::x(j)));
@@ -131,9 +134,11 @@ public:
     if (region_.kind == Group::Kind::points || region_.is_pair()) return {};
     std::optional<SpacePole> out;
     for (const LoadTerm::Entry& entry : load_.entries) {
-      if (!reads_coordinates(entry.value) || !of_place_and_time(entry.value)) continue;
+      if (!reads_coordinates(entry.value) || !may_be_read(entry.value)) continue;
       std::vector<Zeros> zeros;
       collect_zeros(entry.value, zeros);
+      std::erase_if(zeros,
+                    [](const Zeros& of) { return !std::ranges::all_of(of, of_place_and_time); });
       for (const Zeros& of : zeros)
         if (const auto pole = look_at(entry, of); pole && (!out || pole->exponent > out->exponent))
           out = pole;
@@ -164,12 +169,37 @@ private:
         const auto place = zeros.size() == 1 ? crossing(zeros.front(), values.front(), corners, t)
                                              : common(values, corners);
         if (!place) continue;
-        const double exponent = exponent_at(entry.value, *place, t);
+        const double exponent = exponent_at(within(entry.value, cell), *place, t);
         if (exponent < bound(entry, *place) - measured) continue;
         return SpacePole{place->at, moves ? std::optional(t) : std::nullopt, exponent};
       }
     }
     return {};
+  }
+
+  bool may_be_read(const Expr& e) const {
+    return std::ranges::all_of(e.slots(), [&](Slot s) {
+      return is_coordinate(s) || s == slot::t ||
+             (is_membership(s) && d_.space.indicators != nullptr) ||
+             (is_normal(s) && region_.kind == Group::Kind::facets);
+    });
+  }
+
+  /// In this cell or on this facet, where memberships and the normal are the same throughout.
+  Expr within(const Expr& e, std::int32_t entity) const {
+    std::vector<std::pair<Slot, Expr>> change;
+    for (const Slot s : e.slots())
+      if (is_membership(s) || is_normal(s)) change.emplace_back(s, Expr(fixed_value(s, entity)));
+    return change.empty() ? e : substitute(e, change);
+  }
+
+  double fixed_value(Slot s, std::int32_t entity) const {
+    if (is_normal(s))
+      return facet_normal(d_.mesh, entity)[static_cast<std::size_t>(s - slot::normal(0))];
+    const std::int32_t cell = region_.kind == Group::Kind::cells
+                                  ? entity
+                                  : d_.mesh.facets[static_cast<std::size_t>(entity)].cell;
+    return d_.space.indicators->value(s - slot::first_inside, region_.kind, entity, cell);
   }
 
   /// On the whole mesh and at all times, by intervals.

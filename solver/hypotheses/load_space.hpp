@@ -24,7 +24,8 @@ std::string describe_pole(const SpacePole& pole, int dim);
 /// Where v is held on a surface of poles, |v| <= d^(1/2) ||v||, and 3/2 is the bound (Hardy's
 /// inequality). Found are zeros of denominators and of bases of negative powers that change their
 /// sign in a cell or facet, or are 0 on a side of it, and those of sums of squares of affine
-/// functions (norms). Nothing is said that is not measured at such a place.
+/// functions (norms), in loads of places and time that may read memberships in parts and normals,
+/// too. Nothing is said that is not measured at such a place.
 std::optional<SpacePole> space_pole(const Problem& problem, const Discretisation& d,
                                     const LoadTerm& load);
 

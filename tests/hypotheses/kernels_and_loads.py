@@ -126,7 +126,7 @@ report
   table m = integral(body, u)
 """
 MESHES = {1: "mesh body = interval(1, cells = 7)\npart left = body.left\npart right = body.right",
-          2: "mesh body = rectangle(2, 1, cells = [8, 4])\npart left = body.left\npart low = body.bottom",
+          2: "mesh body = rectangle(2, 1, cells = [8, 4])\npart left = body.left\npart low = body.bottom\npart mid = body where x > 0.5 and x < 1.5",
           3: "mesh body = box(1, 1, 1, cells = [3, 2, 2])\npart left = body.left\npart low = body.bottom",
           "ring": "mesh body = rectangle(2, 1, cells = [8, 4], axisymmetric = true)\npart low = body.bottom"}
 
@@ -185,6 +185,13 @@ def places():
         assert functional(f"abs(x - t)^(-{a})") == (a if a >= 1 else None), a
         assert functional(f"abs(x - 1.5 - t)^(-{a})*(1 - t)", 1) is None
         assert functional(f"((x - t)^2 + (y - t/2)^2)^(-{a}/2)") == (a if a >= 2 else None), a
+    # on parts, and beside normals
+    for a in (0.8, 1.0, 1.7):
+        for place, here in (("x - 0.77", True), ("x - 1.77", False), ("x - 1", True), ("x - 0.5", True), ("x - 0.4", False)):
+            assert functional(f"(| inside(mid) -> abs({place})^(-{a}) | otherwise -> 2)") == (a if here and a >= 1 else None), (place, a)
+            assert functional(f"(| inside(mid) -> y | otherwise -> abs({place})^(-{a}))") == (a if place not in ("x - 0.77", "x - 1") and a >= 1 else None), (place, a)
+        assert functional(f"normal.y*abs(x - 0.77)^(-{a})", part="low") == (a if a >= 1 else None), a
+        assert functional(f"normal.x*abs(x - 0.77)^(-{a})", part="low") is None, a
     # none at all
     for load in ("(x - 1)^3/(x - 1)^2", "sin(x - 1)/(x - 1)", "exp(-1/(x - 1)^2)", "log(abs(x - 1))", "1/(x - 2.1)", "1/(1 + (x - 1)^2 + y^2)",
                  "1/((x - 3)^2 + y^2)", "1/(0.01 + x)", "1/sqrt(x^2 + y^2)", "(| x > 0.5 -> 1/x | otherwise -> 0)", "1/(x*y + 1)"):
