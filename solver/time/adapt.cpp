@@ -118,6 +118,13 @@ public:
     return out;
   }
 
+  /// Has no other cell of its kind a node of this one? Then the mean is its own.
+  bool is_alone(int cell, double measure) const {
+    return std::ranges::all_of(strain_.nodes(cell), [&](std::int32_t node) {
+      return sums_.at({node, kind_of(cell)}).back() == measure;
+    });
+  }
+
 private:
   int kind_of(int cell) const { return kind_.empty() ? 0 : kind_[cell]; }
 
@@ -126,10 +133,85 @@ private:
   std::map<std::pair<std::int32_t, int>, std::vector<double>> sums_;
 };
 
+/// On intervals. Nothing there binds the sizes of neighbours to each other, as conformity does
+/// elsewhere: a mean by their measures is that of the longer one, whose error nobody would see. And
+/// D u of P2 nearly is continuous whatever its error. So the derivative of the element's own order,
+/// which is constant in a cell, is recovered by lines between the middles of neighbours; what these
+/// make of D u has the same mean in a cell.
+class IntervalRecovery {
+public:
+  IntervalRecovery(const Space& space, const Vector& u, std::span<const int> kind, int unknown)
+      : mesh_(*space.mesh), kind_(kind), strain_(space, unknown) {
+    for (std::size_t cell = 0; cell < mesh_.cells.size(); ++cell) {
+      const int c = static_cast<int>(cell);
+      slopes_.push_back(0.0), sizes_.push_back(0.0);
+      if (!strain_.lives_in(c)) continue;
+      note(c, u);
+      for (int k = 0; k < 2; ++k) {
+        auto& [sum, weights, cells] = sums_[key(c, k)];
+        sum += slopes_.back() / length(c), weights += 1.0 / length(c), ++cells;
+      }
+    }
+  }
+
+  RecoveryIndicator indicator() const {
+    RecoveryIndicator out{std::vector<double>(mesh_.cells.size(), 0.0)};
+    for (std::size_t cell = 0; cell < out.cells.size(); ++cell) {
+      const int c = static_cast<int>(cell);
+      if (!strain_.lives_in(c)) continue;
+      const double h = length(c), a = off(c, 0), b = off(c, 1);
+      // Of a linear function its square; of the integral of one, without its mean.
+      out.cells[cell] = strain_.order() == 1 ? h * (a * a + a * b + b * b) / 3
+                                             : h * h * h * (a * b / 12 + (b - a) * (b - a) / 45);
+      if (sums_.at(key(c, 0)).cells + sums_.at(key(c, 1)).cells == 2)
+        out.cells[cell] = sizes_[cell];
+      out.size += sizes_[cell];
+    }
+    return out;
+  }
+
+private:
+  /// At a node, over the cells of a kind.
+  struct Sum {
+    double slopes = 0.0, weights = 0.0;
+    int cells = 0;
+  };
+  /// The slope of a cell, and int |D u|^2.
+  void note(int cell, const Vector& u) {
+    const auto geometry = cell_geometry(mesh_, cell);
+    double first = 0.0, last = 0.0;
+    strain_.at(cell, geometry, {1, 0, 0, 0}, u, &first);
+    strain_.at(cell, geometry, {0, 1, 0, 0}, u, &last);
+    const auto& nodes = mesh_.cells[static_cast<std::size_t>(cell)];
+    slopes_.back() = strain_.order() == 1
+                         ? first
+                         : (last - first) / (mesh_.nodes[static_cast<std::size_t>(nodes[1])][0] -
+                                             mesh_.nodes[static_cast<std::size_t>(nodes[0])][0]);
+    sizes_.back() = length(cell) * (first * first + first * last + last * last) / 3;
+  }
+  double length(int cell) const { return cell_geometry(mesh_, cell).measure; }
+  std::pair<std::int32_t, int> key(int cell, int end) const {
+    const auto c = static_cast<std::size_t>(cell);
+    return {mesh_.cells[c][static_cast<std::size_t>(end)], kind_.empty() ? 0 : kind_[c]};
+  }
+  /// The recovered slope at an end of a cell less its own.
+  double off(int cell, int end) const {
+    const Sum& s = sums_.at(key(cell, end));
+    return s.slopes / s.weights - slopes_[static_cast<std::size_t>(cell)];
+  }
+
+  const Mesh& mesh_;
+  std::span<const int> kind_;
+  Strain strain_;
+  std::vector<double> slopes_, sizes_;
+  std::map<std::pair<std::int32_t, int>, Sum> sums_;
+};
+
 } // namespace
 
 RecoveryIndicator recovery_indicator(const Space& space, const Vector& u, std::span<const int> kind,
                                      int unknown) {
+  if (space.mesh->dim == 1) return IntervalRecovery(space, u, kind, unknown).indicator();
   const Recovery recovery(space, u, kind, unknown);
   Strain strain(space, unknown);
   const Quadrature rule = simplex_rule(space.mesh->dim, 2 * strain.order());
@@ -140,6 +222,7 @@ RecoveryIndicator recovery_indicator(const Space& space, const Vector& u, std::s
     if (!strain.lives_in(c)) continue;
     const auto geometry = cell_geometry(*space.mesh, c);
     const auto nodes = recovery.of_cell(c);
+    const bool alone = recovery.is_alone(c, geometry.measure);
     for (std::size_t q = 0; q < rule.size(); ++q) {
       strain.at(c, geometry, rule.points[q], u, here.data());
       double square = 0.0, own = 0.0;
@@ -151,7 +234,7 @@ RecoveryIndicator recovery_indicator(const Space& space, const Vector& u, std::s
       }
       const double x = point_in_cell(*space.mesh, c, rule.points[q])[0];
       const double weight = geometry.measure * rule.weights[q] * circumference(*space.mesh, x);
-      out.cells[cell] += weight * square;
+      out.cells[cell] += weight * (alone ? own : square);
       out.size += weight * own;
     }
   }

@@ -6,8 +6,11 @@
 // adaptive procedure for practical engineering analysis, Int. J. Numer. Methods Eng. 24 (1987)
 // 337-357; reliable for averages of any kind: C. Carstensen, S. Bartels, Each averaging technique
 // yields reliable a posteriori error control in FEM on unstructured grids, Math. Comp. 71 (2002).
-// Cells are marked by the bulk criterion of W. Doerfler, A convergent adaptive algorithm for
-// Poisson's equation, SIAM J. Numer. Anal. 33 (1996) 1106-1124.
+// On intervals, whose lengths nothing binds to those of their neighbours, derivatives are recovered
+// from the middles of cells, where they are most accurate (the superconvergent points of O. C.
+// Zienkiewicz, J. Z. Zhu, The superconvergent patch recovery, Int. J. Numer. Methods Eng. 33 (1992)
+// 1331-1364). Cells are marked by the bulk criterion of W. Doerfler, A convergent adaptive
+// algorithm for Poisson's equation, SIAM J. Numer. Anal. 33 (1996) 1106-1124.
 #pragma once
 
 #include "solver/fem/space.hpp"
@@ -26,9 +29,10 @@ struct RecoveryIndicator {
 };
 
 /// For each cell int_K |G - D u|^2, D u the symmetric gradient of a vector, the gradient of a
-/// scalar, G its average at each node over the cells of the same kind. `kind`: cells of different
-/// numbers have different materials, where D u may jump; empty: all alike. Of several unknowns: of
-/// this one.
+/// scalar, G its average at each node over the cells of the same kind (1D: from their middles).
+/// `kind`: cells of different numbers have different materials, where D u may jump; empty: all
+/// alike. A cell without a neighbour of its kind has int_K |D u|^2: nothing is known of its error.
+/// Of several unknowns: of this one.
 RecoveryIndicator recovery_indicator(const Space& space, const Vector& u,
                                      std::span<const int> kind = {}, int unknown = 0);
 
