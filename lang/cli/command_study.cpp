@@ -334,19 +334,6 @@ private:
       row.error = study_.in ? row.errors[*study_.in] : solver::together(row.errors);
   }
 
-  /// The initial state alone, where there is one.
-  static void begin_trajectory(const solver::Plan& plan, solver::Trajectory& trajectory) {
-    const auto& time = plan.problem.time;
-    const solver::Space& space = trajectory.discretisation->space;
-    trajectory.times.clear(), trajectory.states.clear();
-    if (time.is_static) return;
-    trajectory.times.push_back(time.grid.front());
-    trajectory.states.push_back(
-        time.initial.empty()
-            ? solver::Vector(solver::Vector::Zero(space.n_dofs()))
-            : solver::interpolate(space, time.initial, time.grid.front(), time.origin));
-  }
-
   void measure(const Script& script, const std::shared_ptr<solver::Discretisation>& d,
                StudyRow& row, bool keeps) {
     const auto gauge = gauge_for(script, *d, keeps);
@@ -357,6 +344,9 @@ private:
     const auto& plan = *script.plan;
     solver::RunSettings settings;
     settings.stop = &stop_flag();
+    settings.on_start = [&](double t, const solver::Vector& u) {
+      if (kept) trajectory->times.push_back(t), trajectory->states.push_back(u);
+    };
     settings.on_step = [&](int, double t, const solver::Vector& u, const solver::Vector&) {
       const solver::PhaseClock<> clock(watching);
       const auto start = std::chrono::steady_clock::now();
@@ -366,10 +356,9 @@ private:
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     };
     settings.on_restart = [&] {
-      if (kept) begin_trajectory(plan, *trajectory);
+      trajectory->times.clear(), trajectory->states.clear();
       if (gauge) gauge->forget();
     };
-    if (kept) begin_trajectory(plan, *trajectory);
     const auto start = std::chrono::steady_clock::now();
     const auto result = solver::run(plan, *d, settings);
     row.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -

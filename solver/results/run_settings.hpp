@@ -17,10 +17,13 @@ struct RunSettings {
   std::string output_folder; ///< empty: no files
   std::string name = "result";
   std::function<void(const Progress&)> progress;
+  /// Called before the first step with u at the initial time, as a row `from start` has it: given,
+  /// or the solution of the static problem. Not of a static problem, nor of a run that is resumed.
+  std::function<void(double, const Vector&)> on_start;
   /// Called after every accepted step with (n, t, u, xi of all law points).
   std::function<void(int, double, const Vector&, const Vector&)> on_step;
   /// Called when the run starts again (a memory by another route, for one): what `on_step` has been
-  /// told so far is of no run, and its steps come anew.
+  /// told so far is of no run, and its start and steps come anew.
   std::function<void()> on_restart;
   /// Probes are read after every step, not only where a table has a row.
   bool every_value = false;

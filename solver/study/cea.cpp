@@ -148,7 +148,8 @@ FineSolution fine_trajectory(const Problem& problem, std::shared_ptr<const Traje
   out.u = [trajectory](double t) { return trajectory->at(t); };
   out.rate = [trajectory](double t) -> Vector {
     const auto& times = trajectory->times;
-    auto after = std::lower_bound(times.begin(), times.end(), t - 1e-9 * times.back());
+    auto after =
+        std::lower_bound(times.begin(), times.end(), t - 1e-9 * (times.back() - times.front()));
     const auto n = std::clamp<std::ptrdiff_t>(after - times.begin(), 1,
                                               static_cast<std::ptrdiff_t>(times.size()) - 1);
     const auto i = static_cast<std::size_t>(n);

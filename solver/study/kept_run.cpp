@@ -106,6 +106,7 @@ KeptRun Runner::make(const Setting& setting, const RunSettings& settings, bool f
   const int stride = stride_for(setting.steps, out.discretisation->space.n_dofs());
   RunSettings here = settings;
   double watching = 0.0;
+  here.on_start = [&](double, const Vector& u) { out.first = u; };
   here.on_step = [&](int n, double, const Vector& u, const Vector&) {
     const PhaseClock<> clock(watching);
     if (!keeps_step(n, setting.steps, stride)) return;

@@ -18,6 +18,7 @@ struct KeptRun {
   Setting setting;
   Plan plan;
   std::shared_ptr<const Discretisation> discretisation;
+  Vector first;           ///< at the initial time
   std::vector<int> steps; ///< at which states are kept
   std::vector<Vector> states;
   RunResult result;

@@ -27,13 +27,6 @@ bool may_jump_at_first(const Problem& problem) {
                       [](const FormTerm& f) { return is_rate(f.field); });
 }
 
-Vector first_state(const KeptRun& run) {
-  const auto& space = run.discretisation->space;
-  const auto& time = run.plan.problem.time;
-  if (time.initial.empty()) return Vector::Zero(space.n_dofs());
-  return interpolate(space, time.initial, time.grid.front(), time.origin);
-}
-
 /// Where along a base the error of `coarse` arises, between its times, too, where it counts as
 /// linear: what is too short for its steps is seen there.
 struct Arising {
@@ -72,7 +65,7 @@ Arising arising_error(const KeptRun& coarse, const KeptRun& fine, const TimeBase
   };
   Arising out{std::vector<double>(base.grid.size() - 1, 0.0), 0.0};
   const bool skips_first = may_jump_at_first(fine.plan.problem);
-  Vector left = first_state(coarse), begun = Vector::Zero(left.size()), error = begun;
+  Vector left = coarse.first, begun = Vector::Zero(left.size()), error = begun;
   double left_time = base.grid.front(), size = norm(left);
   std::size_t interval = 0, i = 0;
   for (std::size_t j = 0; j < fine.steps.size() && i < coarse.steps.size(); ++j) {

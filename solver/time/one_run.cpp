@@ -78,7 +78,7 @@ std::optional<Restart> OneRun::take_step(LapClock<>& clock) {
   const int steps = state_.evolution.grid().steps();
   const int n = state_.evolution.step() + 1;
   if (settings_.stop != nullptr && settings_.stop->load()) stop_before(n);
-  if (n == 1) reporter_.begin(state_);
+  if (n == 1) begin();
   if (auto restart = step(n)) return restart;
   clock.charge(result_.timing.steps);
   record(n == steps);
@@ -164,6 +164,14 @@ void OneRun::note_late_errors() {
     if (error > certificate.equilibrium) certificate.equilibrium_step = step;
     certificate.equilibrium = std::max(certificate.equilibrium, error);
   }
+}
+
+void OneRun::begin() {
+  reporter_.begin(state_);
+  if (!settings_.on_start || plan_.problem.time.is_static) return;
+  Vector full = Vector::Zero(discretisation_.space.n_dofs());
+  state_.formulation->scatter(state_.evolution.u(), full);
+  settings_.on_start(state_.evolution.t(), full);
 }
 
 void OneRun::record(bool last) {

@@ -64,6 +64,7 @@ private:
   int checked_up_to();
   /// Of checks that were put off.
   void note_late_errors();
+  void begin();
   void record(bool last);
   /// What rounding may have done to the columns.
   void estimate_forward_error();

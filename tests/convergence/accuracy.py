@@ -60,3 +60,23 @@ assert "no column `nothing`" in reach(root / "examples/manufactured.hvi", "--acc
                                       code=1)
 message = reach(root / "examples/slab.hvi", "--accuracy", 1e-7, "--budget", 5, code=3)
 assert "E0705" in message and "out of reach" in message, message
+
+# A run begins where it begins: the search sees a static start as it sees the same values given.
+begun = """mesh bar = interval(1, cells = 4)
+part left = bar.left
+part right = bar.right
+space V = scalar P1 on bar, zero on left
+find u in V for t in [0, 1] by 64 steps from u = {}
+such that for all v in V
+    integral(bar, 0.05*dot(grad(u'), grad(v))) + integral(bar, 2*dot(grad(u), grad(v)))
+  = integral(right, (1 + exp(-((t - 0.6)/0.01)^2))*v)
+report
+  table tip = u at [1]
+"""
+with tempfile.TemporaryDirectory() as folder:
+    script, chosen = pathlib.Path(folder) / "model.hvi", []
+    for start in ("static", "0.5*x"):
+        script.write_text(begun.format(start))
+        result = reach(script, "--accuracy", 1e-4)
+        chosen.append((result["accuracy"]["tries"][-1]["setting"], len(result["accuracy"]["runs"])))
+    assert chosen[0] == chosen[1], chosen

@@ -80,3 +80,33 @@ with tempfile.TemporaryDirectory() as folder:
     # Parts of a column (the integral in `twice`) are no columns of their own.
     subprocess.run([program, "run", path, "-o", pathlib.Path(folder) / "out", "--json", out, "--quiet"], check=True, stdout=subprocess.DEVNULL)
     assert set(json.loads(out.read_text())["final"]) == {"end", "twice"}
+
+# A static start is a start like others: the same terms as of the same values given, against a run and an exact solution.
+begun = """param N = 4
+mesh bar = interval(1, cells = 4)
+part left = bar.left
+part right = bar.right
+space V = scalar P1 on bar, zero on left
+fn tip(t) = 0.5 + 0.75*(t - 0.1*(1 - exp(-10*t)))
+find u in V for t in [{first}, {first} + 1] by N steps from u = {start}
+such that for all v in V
+    integral(bar, 0.2*dot(grad(u'), grad(v))) + integral(bar, 2*dot(grad(u), grad(v)))
+  = integral(right, (1 + 1.5*(t - ({first})))*v)
+report
+  table end = u at [1], wanted = tip(t - ({first}))
+study vary N in [8, 16, 32, 64] against {against}
+"""
+for against in ("finest", "exact tip(t - ({first}))*x"):
+    seen = []
+    for start, first in (("0.5*x", 0), ("static", 0), ("static", -1)):
+        with tempfile.TemporaryDirectory() as folder:
+            path, out = pathlib.Path(folder) / "model.hvi", pathlib.Path(folder) / "study.json"
+            path.write_text(begun.format(start=start, first=first, against=against.format(first=first)))
+            subprocess.run([program, "study", path, "-o", pathlib.Path(folder) / "out", "--json", out, "--quiet"], check=True,
+                           stdout=subprocess.DEVNULL)
+            seen.append([row["cea"] for row in json.loads(out.read_text())["rows"][:3]])
+    for other in seen[1:]:
+        for given, static in zip(seen[0], other):
+            for term in ("rate", "start", "step", "constant"):
+                assert abs(given[term] - static[term]) <= 1e-6 * given[term] + 1e-15, (against, term, given, static)
+    assert seen[0][0]["rate"] > 3 * seen[0][-1]["rate"], seen[0]
