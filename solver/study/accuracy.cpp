@@ -137,7 +137,10 @@ void Search::finish(AccuracyTry& now, const KeptRun& run, const KeptRun& compani
                     "{:.1e}",
                     now.estimate, now.space_error, now.time_error, accuracy_safety,
                     out_.reached ? "within" : "above", out_.request.wanted));
-  if (!out_.reached) tighten(now.setting);
+  if (out_.reached) return;
+  // Two runs of a ladder may be near each other by chance, where an error changes its sign.
+  refused_[element_of(now.setting)] = {static_cast<double>(now.setting.level), now.space_error};
+  tighten(now.setting);
 }
 
 /// After a setting whose check failed: the laws are fitted again with its runs; where they would

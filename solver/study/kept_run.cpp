@@ -45,6 +45,14 @@ double v_distance(const KeptRun& coarse, const KeptRun& fine) {
   return gauge->error().relative();
 }
 
+/// What a column's size is where it is zero but for rounding, by symmetry for one: that which its
+/// rounding is relative to.
+double size_beyond_rounding(const RunResult& result, const std::string& probe, double size) {
+  for (const ColumnError& e : result.forward_error.columns)
+    if (e.name == probe && size <= e.absolute && e.relative > 0.0) return e.absolute / e.relative;
+  return size;
+}
+
 double probe_distance(const KeptRun& coarse, const KeptRun& fine, const std::string& probe) {
   const auto a = coarse.result.columns.find(probe), b = fine.result.columns.find(probe);
   double largest = 0.0, size = 0.0;
@@ -66,6 +74,7 @@ double probe_distance(const KeptRun& coarse, const KeptRun& fine, const std::str
   }
   compare(coarse.result.final.at(probe), fine.result.final.at(probe));
   if (!seen) return std::numeric_limits<double>::quiet_NaN();
+  size = size_beyond_rounding(fine.result, probe, size);
   return size > 0.0 ? largest / size : largest;
 }
 

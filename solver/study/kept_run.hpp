@@ -29,7 +29,8 @@ struct KeptRun {
 };
 
 /// Relative distance of the coarser to the finer run, largest over the times both have: in V, or of
-/// a probe (relative to its largest magnitude; NaN where no row of both has a value).
+/// a probe (relative to its largest magnitude, or where that is rounding to what its rounding is
+/// relative to; NaN where no row of both has a value).
 double distance(const KeptRun& coarse, const KeptRun& fine, const std::string& probe);
 
 /// Makes runs of a family; meshes and spaces are shared between runs of one level and element.

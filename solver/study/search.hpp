@@ -87,6 +87,11 @@ private:
   std::map<Element, std::vector<Rung>> space_;
   std::map<Clock, std::vector<Rung>> time_;
   std::map<Kind, std::vector<CostPoint>> costs_;
+  /// At which level the check of a run was above the wanted error, and its error in space.
+  struct Refused {
+    double resolution, error;
+  };
+  std::map<Element, Refused> refused_;
   std::map<Element, int> finest_level_;
   std::map<Clock, int> finest_steps_;
 };

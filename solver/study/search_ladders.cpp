@@ -170,7 +170,11 @@ void Search::pair_up() {
 ErrorLaw Search::space_law(Element element) const {
   const int order = family_.nominal_order(element.first);
   const double nominal = out_.request.probe.empty() ? order : 2 * order;
-  return fit_error(space_.at(element), nominal, space_distance_, floor_);
+  ErrorLaw out = fit_error(space_.at(element), nominal, space_distance_, floor_);
+  if (const auto seen = refused_.find(element); seen != refused_.end())
+    out.at_one =
+        std::max(out.at_one, seen->second.error * std::pow(seen->second.resolution, out.order));
+  return out;
 }
 ErrorLaw Search::time_law(Clock clock) const {
   if (family_.is_static()) return {};
