@@ -42,15 +42,22 @@ std::string different_tensors(const Problem& problem, const Operators& operators
   return "the forms need more than one matrix";
 }
 
+/// The name of a probe; a part of a column has none, and stands before the column.
+std::string column_of(const ReportSpec& report, std::size_t probe) {
+  while (probe + 1 < report.probes.size() && report.probes[probe].name.empty()) ++probe;
+  return report.probes[probe].name;
+}
+
 /// How often whole fields are read: every so many steps; 0: at the end only.
 int interior_every(const Plan& plan, std::string* who) {
   const int n_fields = count_fields(plan.problem);
   int every = 0, base = 0;
   for (const auto& table : plan.report.tables) base = std::gcd(base, std::max(table.every, 1));
-  for (const auto& probe : plan.report.probes)
-    if (base > 0 && reads_interior(probe, n_fields)) {
+  for (std::size_t i = 0; i < plan.report.probes.size(); ++i)
+    if (base > 0 && reads_interior(plan.report.probes[i], n_fields)) {
       every = base;
-      if (who != nullptr) *who = fmt::format("the table reads `{}` in the interior", probe.name);
+      if (who != nullptr)
+        *who = fmt::format("the table reads `{}` in the interior", column_of(plan.report, i));
     }
   for (const auto& fields : plan.report.fields) {
     const int own = std::max(fields.every, 1);
@@ -84,7 +91,8 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
   if (plan.problem.time.is_static) return "a static problem has one step";
   if (contact.none()) return "there is no contact law";
   if (in_motion(plan.problem)) return "there is inertia";
-  if (!operators.changing.empty()) return "states change a form";
+  if (!operators.changing.empty())
+    return "forms change from step to step"; // in time, or with states
   if (!plan.problem.state_loads.empty()) return "states change a load";
   if (operators.n_bases() != 1) return different_tensors(plan.problem, operators);
   if (operators.coupled) return "unknowns act on each other";
@@ -93,9 +101,9 @@ std::string proportional_obstacle(const Plan& plan, const Operators& operators,
   if (!loads.separable()) return "a load does not separate into functions of t and of x";
   if (layout.n_state != layout.n_unknowns) return "boundary values other than zero are imposed";
   const int n_fields = count_fields(plan.problem);
-  for (const auto& probe : plan.report.probes)
-    if (probe.time && reads_interior(probe, n_fields))
-      return fmt::format("`{}` reads the interior between two steps", probe.name);
+  for (std::size_t i = 0; i < plan.report.probes.size(); ++i)
+    if (plan.report.probes[i].time && reads_interior(plan.report.probes[i], n_fields))
+      return fmt::format("`{}` reads the interior between two steps", column_of(plan.report, i));
   for (const auto& picture : plan.report.pictures)
     if (picture.time)
       return fmt::format("the picture of `{}` reads the interior between two steps",

@@ -240,6 +240,9 @@ void ReactionForces::take_states(const Snapshot& now, const Snapshot& before) {
 
 std::vector<bool> ReactionForces::fields() const {
   std::vector<bool> out(static_cast<std::size_t>(count_fields(problem_)), false);
+  // A form that changes may be zero now and not later.
+  if (changes_ && !reactions_.empty())
+    for (const FormTerm& form : problem_.forms) out[static_cast<std::size_t>(form.field)] = true;
   for (const auto& of_reaction : rows_.of)
     for (std::size_t field = 0; field < out.size(); ++field)
       if (!of_reaction[field].at.empty()) out[field] = true;

@@ -499,6 +499,54 @@ def check_stiffness_that_grows(folder):
     assert abs(a - b).max() < 1e-11 * abs(a).max()
 
 
+def check_reactions_of_what_begins(folder):
+    """Reactions count forms that are zero at the initial time, by whatever makes them grow (a program that looks at that time alone
+    has no rates at hand later): in equilibrium with the load, and those of the same forms written otherwise."""
+    for state, factors in (("", ("t", "max(0, t - 0.6)", "| t < 0.5 -> 0 | otherwise -> 1")), ("state d on body with rate 1 + 0*norm(eps(u)) from d = 0", ("d",))):
+        for factor in factors:
+            for scheme in ("backward_euler", "bdf2", "midpoint", "newmark", "hht"):
+                if state and scheme not in ("backward_euler", "bdf2"):
+                    continue
+                mass = "integral(body, 0.001*dot(u'', v)) + " if scheme in ("midpoint", "newmark", "hht") else ""
+                run(folder, f"""mesh body = rectangle(2, 1, cells = [3, 2])
+part wall = body.left
+tensor B = isotropic(young = 70, poisson = 0.3)
+{state}
+fn g() = {factor}
+space V = vector P1 on body, zero on wall
+find u in V for t in [0, 1] by 6 steps from u = 0 using scheme = {scheme}
+such that for all v in V
+  {mass}integral(body, g()*B : eps(u') : eps(v)) + integral(body, B : eps(u) : eps(v)) = integral(body, dot([0, -t], v))
+report
+  table force = reaction(wall)
+""")
+                table = rows(folder)
+                assert len(table) == 6, (factor, scheme, table)
+                for row in table if not mass else ():
+                    close(row["force_y"], 2 * row["t"], 1e-10)
+                    assert abs(row["force_x"]) < 1e-10, (factor, scheme, row)
+
+
+def check_names_of_plans(folder):
+    """What keeps a run from the contact unknowns alone is told by the names of the script: a column, not the parts that it is made of."""
+    for form, columns, said in (("B : eps(u)", "held = reaction(wall).y + reaction(ground).y", "the table reads `held` in the interior at every step"),
+                                ("B : eps(u)", "early = 2*reaction(wall).y at t = 0.3", "`early` reads the interior between two steps"),
+                                ("(1 + t)*B : eps(u)", "tip = u.y at [2, 0]", "forms change from step to step")):
+        done = run(folder, f"""mesh body = rectangle(2, 1, cells = [6, 3])
+part wall = body.left
+part ground = body.bottom
+tensor B = isotropic(young = 70, poisson = 0.3)
+superpotential bed(r) = 20*max(r, 0)^2
+space V = vector P1 on body, zero on wall
+find u in V for t in [0, 1] by 4 steps from u = 0
+such that for all v in V
+  integral(body, {form} : eps(v)) + integral(ground, bed^0(u.nu; v.nu)) >= integral(body, dot([0, -t], v))
+report
+  table {columns}
+""", command="plan")
+        assert said in done, (said, done)
+
+
 def check_sweep(folder):
     text = PLATE.replace("mesh plate", "param k = 1\nparam degree = P1\nmesh plate").replace("sin(2*t)", "k*sin(2*t)").format(
         tensor=ISOTROPIC, element="degree", report="table tip = u.y at [1, 1], held = reaction(wall)\nstudy vary k in [1, 2, 3] and degree in [P1, P2]")
@@ -740,7 +788,7 @@ report
 
 
 def main():
-    for check in (check_negative_bounds, check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_stiffness_that_grows, check_sweep, check_names_of_studies, check_pictures, check_words, check_pictures_of_states, check_resume):
+    for check in (check_negative_bounds, check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_stiffness_that_grows, check_reactions_of_what_begins, check_names_of_plans, check_sweep, check_names_of_studies, check_pictures, check_words, check_pictures_of_states, check_resume):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
     check_examples()
