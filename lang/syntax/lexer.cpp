@@ -275,7 +275,7 @@ void Lexer::sign() {
     for (const TokenInfo& entry : token_table()) {
       if (!entry.spelling.starts_with(candidate.front()) || entry.spelling != candidate) continue;
       const std::size_t begin = at_;
-      at_ += length;
+      at_ += candidate.size(); // at the end of the text less than was asked for
       return emit(entry.kind, begin);
     }
   }

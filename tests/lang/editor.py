@@ -245,6 +245,11 @@ def actions(client):
         client.change(uri, [{"text": edited(text, action["edit"]["changes"][uri])}])
         assert not client.found(uri), (i, action)
         client.tell("textDocument/didClose", {"textDocument": {"uri": uri}})
+    for sign in (")", "]", "+", "|", ","):  # the last letter of the text, which no line end follows
+        uri, text = uri_of(ROOT / "examples/cut_off.hvi"), "find r t" + sign
+        client.open(uri, text)
+        client.ask("textDocument/codeAction", {"textDocument": {"uri": uri}, "range": whole(text), "context": {"diagnostics": []}})
+        client.tell("textDocument/didClose", {"textDocument": {"uri": uri}})
     return len(texts)
 
 
@@ -271,6 +276,7 @@ def random_edits(client, n, seed):
         method = rng.choice(requests)
         client.answer(f"textDocument/{method}", {"textDocument": {"uri": uri}, "position": {"line": rng.randrange(len(lines) + 2),
                                                                                             "character": rng.randrange(90)}})
+        client.answer("textDocument/codeAction", {"textDocument": {"uri": uri}, "range": whole(text), "context": {"diagnostics": []}})
         if i % 20 == 0:
             text = SCRIPT
             client.change(uri, [{"text": text}])

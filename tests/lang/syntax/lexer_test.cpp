@@ -33,6 +33,16 @@ TEST(Lexer, KnowsEveryWordAndSign) {
     }
 }
 
+TEST(Lexer, NoTokenReachesBeyondTheText) {
+  for (const TokenInfo& entry : token_table()) {
+    const std::string text = "a " + std::string(entry.spelling);
+    Diagnostics diagnostics;
+    const SourceFile source(0, "script.hvi", text);
+    for (const Token& token : lex(source, diagnostics).tokens)
+      EXPECT_LE(token.span.end, text.size()) << text;
+  }
+}
+
 /// Scripts may call things so elsewhere.
 TEST(Lexer, StateIsAWordBeforeANameAndOn) {
   EXPECT_EQ(kinds("state bond on glue"), "state name name name");
