@@ -2,13 +2,19 @@
 #include "lang/mesh_report.hpp"
 
 #include "lang/check/mesh_findings.hpp"
+#include "solver/kernel/expr.hpp"
 #include "solver/kernel/slot.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 #include <numeric>
+#include <optional>
 #include <string_view>
+#include <vector>
 
 namespace hvi::lang {
 
@@ -132,12 +138,86 @@ void report_cut(Script& script, const solver::Discretisation& d) {
   }
 }
 
+/// Does a number change with the sign of the normal? Tried at a few places.
+bool turns_with_normal(const solver::Expr& e) {
+  namespace slot = solver::slot;
+  if (!e.depends_on_any(slot::normal(0), slot::normal(2) + 1)) return false;
+  for (const double shift : {0.37, 1.91}) {
+    const auto along = [&](double sign) {
+      return solver::evaluate(e, [&](solver::Slot s) {
+        const bool normal = s >= slot::normal(0) && s <= slot::normal(2);
+        return (normal ? sign : 1.0) * (0.5 + 0.4 * std::sin(shift * (1.0 + s)));
+      });
+    };
+    const double one = along(1.0), other = along(-1.0);
+    if (std::abs(one - other) > 1e-9 * std::max(std::abs(one), std::abs(other))) return true;
+  }
+  return false;
+}
+
+/// The parts on which something is counted along the normal: pressures, normal laws, `u.nu`.
+std::vector<bool> parts_with_normal(const solver::Plan& plan) {
+  std::vector<bool> out(plan.problem.parts.size(), false);
+  const auto note = [&](int part, const solver::Expr& e) {
+    if (part >= 0 && turns_with_normal(e)) out[static_cast<std::size_t>(part)] = true;
+  };
+  for (const auto& form : plan.problem.forms)
+    for (const auto& e : form.entries) note(form.part, e.coefficient);
+  for (const auto* loads : {&plan.problem.loads, &plan.problem.state_loads})
+    for (const auto& load : *loads)
+      for (const auto& e : load.entries) note(load.part, e.value);
+  for (const auto& law : plan.problem.law_terms)
+    for (const auto& row : law.rows)
+      for (const auto& e : row.u) note(law.part, e);
+  for (const auto& state : plan.problem.states) note(state.part, state.rate);
+  for (const auto& probe : plan.report.probes) note(probe.part, probe.expression);
+  return out;
+}
+
+/// Where two facets inside the body meet whose normals point to different sides: a node of it.
+std::optional<std::int32_t> turned_at(const solver::Mesh& mesh, const solver::Region& region) {
+  using Ridge = std::array<std::int32_t, 2>;
+  std::map<Ridge, std::vector<bool>> runs; // the facets at a ridge: which way do they go round it?
+  for (const std::int32_t f : region.entities) {
+    const solver::Facet& facet = mesh.facets[f];
+    if (facet.other < 0) continue;
+    for (int k = 0; k < mesh.dim; ++k) {
+      const std::int32_t a = facet.nodes[k], b = facet.nodes[(k + 1) % mesh.dim];
+      if (mesh.dim == 2) runs[{a, a}].push_back(k == 0);
+      if (mesh.dim == 3) runs[{std::min(a, b), std::max(a, b)}].push_back(a < b);
+    }
+  }
+  for (const auto& [ridge, ways] : runs)
+    if (ways.size() == 2 && ways[0] == ways[1]) return ridge[0];
+  return std::nullopt;
+}
+
+/// Facets inside the body have the normals that the order of their nodes in the file gives.
+void report_turned(Script& script, const solver::Discretisation& d) {
+  const auto with_normal = parts_with_normal(*script.plan);
+  for (std::size_t i = 0; i < d.parts.size(); ++i) {
+    if (!with_normal[i] || d.parts[i].kind != Group::Kind::facets || d.parts[i].is_pair()) continue;
+    const auto node = turned_at(d.mesh, d.parts[i]);
+    if (!node) continue;
+    const auto& part = script.model->parts[i];
+    script.diagnostics.add(
+        diagnose("W0609", part.span,
+                 fmt::format("`{}` lies inside the body, and its normals do not point to one side: "
+                             "they turn at {}",
+                             part.name, solver::describe_point(d.mesh.nodes[*node], d.mesh.dim)))
+            .with_help("the order of the nodes in the file makes them: in gmsh write curves and "
+                       "surfaces that run the other way with a minus, `Physical Curve(\"seam\") = "
+                       "{5, -6};`"));
+  }
+}
+
 } // namespace
 
 void report_misfits(Script& script, const solver::Discretisation& d) {
   const solver::Problem& problem = script.plan->problem;
   report_alone(script, d);
   report_cut(script, d);
+  report_turned(script, d);
   if (problem.mesh.kind != solver::MeshSpec::Kind::file) return;
   const Span span = script.model->origins[static_cast<std::size_t>(problem.mesh.origin.id)];
   const auto add = [&](const MeshFinding& f) {

@@ -149,6 +149,17 @@ part top = bar.top where x < 0.6)",
      R"(
 mesh bar = rectangle(1, 1, cells = [5, 4])
 part top = bar.top where x < 0.6)"},
+    {"W0609", "normals to both sides",
+     R"(
+On the boundary normals point out of the body. Facets inside it, which a group of a file names, have the
+normal that the order of their nodes in the file gives: to the right of a line in the plane, by the right-hand
+rule in space. Where two of them that meet point to different sides, a pressure, a law on `u.nu` or an
+integral with the normal changes its sign from one to the other. Said of parts on which something is
+counted along the normal.)",
+     R"(
+Physical Curve("seam") = {5, 6};)",
+     R"(
+Physical Curve("seam") = {5, -6};)"},
 });
 
 } // namespace

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 namespace hvi::solver {
 namespace {
@@ -49,7 +50,9 @@ struct Collector {
   }
 
   static void add_entity(void* self, int dim, int tag, const int* physical, std::size_t n) {
-    of(self).raw.entities.push_back({dim, tag, {physical, physical + n}});
+    RawMesh::Entity entity{dim, tag, {physical, physical + n}};
+    entity.take_signs();
+    of(self).raw.entities.push_back(std::move(entity));
   }
 
   static void add_elements(void* self, int type, std::size_t n, const std::size_t* tags,

@@ -303,6 +303,7 @@ private:
       std::array<std::int32_t, 3> nodes{-1, -1, -1};
       for (int k = 0; k < mesh_.dim; ++k)
         if ((nodes[k] = new_index_[index_(e.nodes[k], e)]) < 0) throw no_cell(e);
+      if (raw_.entities[e.entity].reversed) std::swap(nodes[0], nodes[1]);
       named.push_back(nodes);
       elements.push_back(&e);
     }
@@ -342,6 +343,12 @@ private:
 };
 
 } // namespace
+
+void RawMesh::Entity::take_signs() {
+  reversed = !physical.empty() && physical.front() < 0;
+  for (int& group : physical) // of a broken file it may be the least integer
+    if (group < 0) group = static_cast<int>(-static_cast<std::int64_t>(group));
+}
 
 ElementType element_type(std::int64_t type, const std::function<std::string()>& where) {
   switch (type) {

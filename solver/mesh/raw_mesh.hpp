@@ -20,6 +20,11 @@ struct RawMesh {
     int dim = 0;
     int tag = 0;
     std::vector<int> physical;
+    bool reversed = false; ///< in its groups: facets inside the body look the other way
+
+    /// gmsh tells by the sign of a group's tag how an entity is turned in it: that of the first one
+    /// becomes `reversed`. (In MSH 2.2 the elements themselves are turned.)
+    void take_signs();
   };
   /// A simplex given by the tags of its corners.
   struct Element {

@@ -176,6 +176,7 @@ private:
         RawMesh::Entity e{dim, static_cast<int>(in_.integer("an entity tag")), {}};
         for (int k = 0; k < (dim == 0 ? 3 : 6); ++k) in_.real("a bound of an entity");
         read_tags(&e.physical);
+        e.take_signs();
         if (dim > 0) read_tags(nullptr);
         entities_4_[{dim, e.tag}] = static_cast<std::int32_t>(raw_.entities.size());
         raw_.entities.push_back(std::move(e));
@@ -183,12 +184,11 @@ private:
     }
   }
 
-  /// The sign of a tag is an orientation.
   void read_tags(std::vector<int>* tags) {
     const auto n = in_.count(in_.size("a number of tags"), 2, 4, "the number of tags");
     for (std::size_t i = 0; i < n; ++i) {
       const auto tag = in_.integer("a tag");
-      if (tags) tags->push_back(static_cast<int>(tag < 0 ? -(tag + 1) + 1 : tag));
+      if (tags) tags->push_back(static_cast<int>(tag));
     }
   }
 

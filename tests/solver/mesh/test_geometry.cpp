@@ -186,6 +186,28 @@ TEST(GeoFile, IsMeshedWithItsGroups) {
   EXPECT_EQ(failure_of([&] { mesh_geo_file(path); }).kind, FailureKind::missing_file);
 }
 
+TEST(GeoFile, AMinusTurnsACurveInItsGroup) {
+  const auto path = std::filesystem::temp_directory_path() / "hvi_test_seam.geo";
+  for (const bool minus : {false, true}) {
+    std::ofstream(path)
+        << "Point(1) = {0, 0, 0, 1}; Point(2) = {1, 0, 0, 1}; Point(3) = {1, 2, 0, 1};\n"
+           "Point(4) = {0, 2, 0, 1}; Point(5) = {0, 1, 0, 1}; Point(6) = {-1, 1, 0, 1};\n"
+           "Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {1, 5};\n"
+           "Line(5) = {4, 5}; Line(6) = {4, 6}; Line(7) = {6, 1};\n"
+           "Curve Loop(1) = {1, 2, 3, 5, -4}; Plane Surface(1) = {1};\n"
+           "Curve Loop(2) = {4, -5, 6, 7}; Plane Surface(2) = {2};\n"
+           "Physical Surface(\"body\") = {1, 2};\n"
+        << "Physical Curve(\"seam\") = {4, " << (minus ? "-" : "") << "5};\n";
+    const Mesh mesh = mesh_geo_file(path);
+    EXPECT_NEAR(group_measure(mesh, "seam"), 2, 1e-12);
+    double sum = 0;
+    for (const auto f : mesh.groups.at("seam").entities)
+      sum += facet_measure(mesh, f) * facet_normal(mesh, f)[0];
+    EXPECT_NEAR(std::abs(sum), minus ? 2 : 0, 1e-12);
+  }
+  std::filesystem::remove(path);
+}
+
 /// gmsh keeps what it has not read of a file with a mistake for the next one.
 TEST(GeoFile, AMistakeIsThatOfItsFileOnly) {
   const auto path = std::filesystem::temp_directory_path() / "hvi_test_mistakes.geo";

@@ -181,6 +181,27 @@ TEST(ReadMsh, ACellInTwoGroupsIsOneCell) {
   EXPECT_EQ(mesh.groups.at("6").entities, (std::vector<std::int32_t>{0}));
 }
 
+/// A seam of two curves that run towards each other: with a minus before the second one the facets
+/// of both look the same way.
+TEST(ReadMsh, TheSignOfAGroupTurnsFacetsInside) {
+  for (const bool minus : {false, true}) {
+    const std::string text = fmt::format(
+        "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 1 \"seam\"\n2 2 \"all\"\n"
+        "$EndPhysicalNames\n$Entities\n0 2 1 0\n1 0 0 0 0 0 0 1 1 0\n2 0 0 0 0 0 0 1 {}1 0\n"
+        "1 0 0 0 0 0 0 1 2 0\n$EndEntities\n"
+        "$Nodes\n1 7 1 7\n2 1 0 7\n1\n2\n3\n4\n5\n6\n7\n"
+        "-1 0 0\n1 0 0\n0 -1 0\n0 0 0\n0 1 0\n-1 1 0\n1 1 0\n$EndNodes\n"
+        "$Elements\n3 8 1 8\n1 1 1 1\n1 3 4\n1 2 1 1\n2 5 4\n"
+        "2 1 2 6\n3 1 3 4\n4 3 2 4\n5 1 4 5\n6 4 2 5\n7 1 5 6\n8 2 7 5\n$EndElements\n",
+        minus ? "-" : "");
+    const Mesh mesh = parse_msh(text, "x.msh");
+    const auto& seam = mesh.groups.at("seam").entities;
+    ASSERT_EQ(seam.size(), 2U);
+    EXPECT_NEAR(facet_normal(mesh, seam[0])[0] * facet_normal(mesh, seam[1])[0], minus ? 1 : -1,
+                1e-14);
+  }
+}
+
 TEST(ReadMsh, RefusesBadMeshes) {
   const auto bad = FailureKind::bad_mesh;
   const std::string name = "2 5 \"body\"\n";
