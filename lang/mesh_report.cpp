@@ -138,6 +138,60 @@ void report_cut(Script& script, const solver::Discretisation& d) {
   }
 }
 
+/// A group of lines in space among the places that a part is made of.
+const Group* lines_in(const solver::Mesh& mesh, const solver::RegionSpec& region) {
+  const auto group = region.kind == solver::RegionSpec::Kind::group ? mesh.groups.find(region.name)
+                                                                    : mesh.groups.end();
+  if (group != mesh.groups.end() && group->second.of_lines) return &group->second;
+  for (const solver::RegionSpec& child : region.children)
+    if (const Group* found = lines_in(mesh, child)) return found;
+  return nullptr;
+}
+
+/// Lines in space are no parts of a body's boundary: forces and values on them have no limit as
+/// cells become small. Their nodes may hold a body as single points do.
+void report_lines(Script& script, const solver::Discretisation& d) {
+  for (std::size_t i = 0; i < d.parts.size(); ++i) {
+    if (!lines_in(d.mesh, script.plan->problem.parts[i].region)) continue;
+    const auto& part = script.model->parts[i];
+    const std::size_t n = d.parts[i].entities.size();
+    script.diagnostics.add(
+        diagnose(
+            "W0610", part.span,
+            fmt::format("`{}` is made of lines in space, of which the {} node{} at the ends of "
+                        "edges {} taken: an integral is the sum over them, not over a length",
+                        part.name, n, n == 1 ? "" : "s", n == 1 ? "is" : "are"))
+            .with_help(
+                "take a narrow strip of the boundary, `body.boundary where ...`, or a group "
+                "of surfaces: there forces are per area, and P2 is held between the corners, too"));
+  }
+}
+
+bool names_boundary(const solver::RegionSpec& region) {
+  return region.kind == solver::RegionSpec::Kind::boundary ||
+         std::ranges::any_of(region.children, names_boundary);
+}
+
+/// `m.boundary` is all of it, also where the file has a group of that name.
+void report_boundary(Script& script, const solver::Discretisation& d) {
+  const auto group = d.mesh.groups.find("boundary");
+  if (group == d.mesh.groups.end()) return;
+  std::vector<std::int32_t> all;
+  for (std::size_t f = 0; f < d.mesh.facets.size(); ++f)
+    if (d.mesh.facets[f].other < 0) all.push_back(static_cast<std::int32_t>(f));
+  if (group->second.kind == Group::Kind::facets && group->second.entities == all) return;
+  for (std::size_t i = 0; i < d.parts.size(); ++i) {
+    const auto& part = script.model->parts[i];
+    if (!names_boundary(script.plan->problem.parts[i].region)) continue;
+    script.diagnostics.add(
+        diagnose("W0611", part.span,
+                 fmt::format("`{}` is made of all of the boundary, and the file has a group "
+                             "\"boundary\", which is something else",
+                             part.name))
+            .with_help("the group is `.group(\"boundary\")`"));
+  }
+}
+
 /// Does a number change with the sign of the normal? Tried at a few places.
 bool turns_with_normal(const solver::Expr& e) {
   namespace slot = solver::slot;
@@ -218,6 +272,8 @@ void report_misfits(Script& script, const solver::Discretisation& d) {
   report_alone(script, d);
   report_cut(script, d);
   report_turned(script, d);
+  report_lines(script, d);
+  report_boundary(script, d);
   if (problem.mesh.kind != solver::MeshSpec::Kind::file) return;
   const Span span = script.model->origins[static_cast<std::size_t>(problem.mesh.origin.id)];
   const auto add = [&](const MeshFinding& f) {

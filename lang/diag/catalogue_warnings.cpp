@@ -160,6 +160,24 @@ counted along the normal.)",
 Physical Curve("seam") = {5, 6};)",
      R"(
 Physical Curve("seam") = {5, -6};)"},
+    {"W0610", "lines in space",
+     R"(
+A group of curves in a mesh of tetrahedra stands for its nodes: those at the ends of edges. An integral over
+it is the sum of the values at them, so that a load of it grows as the mesh is refined, and of a P2 space the
+values in the middle of the edges are free where the part is held. A line has no trace in the theory either:
+its nodes serve to hold a body that would move freely.)",
+     R"(
+part edge = body.group("edge"))",
+     R"(
+part strip = body.top where x < 0.1)"},
+    {"W0611", "boundary and a group of that name",
+     R"(
+`body.boundary` is all of the boundary. A file may have a group that is called so and is a part of it, or
+cells: that one is `body.group("boundary")`.)",
+     R"(
+part rim = body.boundary)",
+     R"(
+part rim = body.group("boundary"))"},
 });
 
 } // namespace

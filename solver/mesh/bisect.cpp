@@ -218,6 +218,7 @@ Mesh Bisection::mesh() const {
   for (const auto& [name, group] : first_.groups) {
     Group& target = out.groups[name];
     target.kind = group.kind;
+    target.of_lines = group.of_lines;
     for (const std::int32_t e : group.entities) {
       if (group.kind == Group::Kind::points) target.entities.push_back(e);
       if (group.kind == Group::Kind::cells)

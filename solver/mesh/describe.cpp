@@ -17,7 +17,8 @@ const char* measure_name(int dim) {
 std::string describe_group(const Mesh& mesh, const std::string& name, const Group& group) {
   const auto n = group.entities.size();
   std::string line = fmt::format("  {:<20} ", name);
-  if (group.kind == Group::Kind::points) return line + fmt::format("{:>8} points\n", n);
+  if (group.kind == Group::Kind::points)
+    return line + fmt::format("{:>8} points{}\n", n, group.of_lines ? "  (of lines)" : "");
   const bool cells = group.kind == Group::Kind::cells;
   const int dim = cells ? mesh.dim : mesh.dim - 1;
   double measure = 0;

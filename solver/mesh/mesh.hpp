@@ -24,6 +24,7 @@ struct Group {
   enum class Kind : std::uint8_t { cells, facets, points };
   Kind kind = Kind::cells;
   std::vector<std::int32_t> entities; ///< sorted, unique
+  bool of_lines = false;              ///< points: the corners of lines in space
 };
 
 struct Mesh {

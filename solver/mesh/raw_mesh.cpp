@@ -320,14 +320,18 @@ private:
                                e.tag, plain_name({e.dim, raw_.entities[e.entity].physical[0]})));
   }
 
-  /// A node of no cell (the centre of an arc, say) cannot be a point of the body.
+  /// The nodes of points and, in space, of lines. One of no cell (the centre of an arc, say) cannot
+  /// be a point of the body.
   void group_points() {
     for (const auto& e : raw_.elements) {
       if (e.dim >= mesh_.dim - 1) continue;
       for (int k = 0; k <= e.dim; ++k) {
         const std::int32_t node = new_index_[index_(e.nodes[k], e)];
         if (node < 0) continue;
-        for_groups_of(e, [&](Group& g) { g.entities.push_back(node); });
+        for_groups_of(e, [&](Group& g) {
+          g.entities.push_back(node);
+          g.of_lines = g.of_lines || e.dim == 1;
+        });
       }
     }
   }

@@ -72,6 +72,7 @@ TEST(ReadMsh, SolidGroups) {
   EXPECT_NEAR(group_measure(mesh, "7"), 1, 1e-14) << "a group without a name: its tag";
   for (const auto f : mesh.groups.at("seam").entities) EXPECT_GE(mesh.facets[f].other, 0);
   EXPECT_EQ(mesh.groups.at("rail").kind, Group::Kind::points);
+  EXPECT_TRUE(mesh.groups.at("rail").of_lines);
   for (const auto n : mesh.groups.at("rail").entities) {
     EXPECT_NEAR(mesh.nodes[n][1], 0, 1e-15);
     EXPECT_NEAR(mesh.nodes[n][2], 0, 1e-15);
