@@ -99,7 +99,7 @@ const Foreign* find_foreign(char32_t code) {
 
 bool is_foreign_letter(char32_t code) {
   const bool latin_sign = code == 0xD7 || code == 0xF7;
-  return code == 0xB5 || (code >= 0xC0 && code <= 0x1FFF && !latin_sign) ||
+  return code == 0xB5 || code == 0x2126 || (code >= 0xC0 && code <= 0x1FFF && !latin_sign) ||
          (code >= 0x2C00 && code <= 0x2DFF) || (code >= 0x3040 && code <= 0xD7FF) ||
          (code >= 0xF900 && code <= 0xFDFF);
 }

@@ -71,6 +71,10 @@ private:
   void token();
   void comment();
   bool foreign_comment();
+  [[nodiscard]] bool in_unit() const;
+  [[nodiscard]] bool behind_number() const;
+  bool percent();
+  void foreign_unit(std::size_t begin);
   bool slip();
   bool clarke();
   void word();
@@ -121,7 +125,7 @@ void Lexer::token() {
   if (is_digit(c)) return number();
   if (c == '"') return string();
   if (static_cast<unsigned char>(c) >= 0x80) return unknown_character();
-  if (foreign_comment() || slip() || clarke()) return;
+  if (percent() || foreign_comment() || slip() || clarke()) return;
   sign();
 }
 
@@ -137,6 +141,45 @@ void Lexer::comment() {
   const std::size_t lone = text_.substr(0, end).find('\r', begin);
   if (lone != std::string_view::npos && !std::exchange(lone_return_, true))
     report_control(span(lone, lone + 1), '\r');
+}
+
+// Behind `[` of a number, `5 [N/`, or of what has brackets, `(1 + 2) [`, `[0, 1] [`.
+bool Lexer::in_unit() const {
+  std::size_t i = result_.tokens.size();
+  const auto kind = [&](std::size_t at) { return result_.tokens[at].kind; };
+  while (i > 0 && kind(i - 1) != TokenKind::open_bracket) {
+    const TokenKind k = kind(--i);
+    const bool of_a_unit = k == TokenKind::name || k == TokenKind::number || k == TokenKind::star ||
+                           k == TokenKind::slash || k == TokenKind::caret ||
+                           k == TokenKind::open_paren || k == TokenKind::close_paren;
+    if (!of_a_unit) return false;
+  }
+  if (i < 2) return false;
+  const TokenKind before = kind(i - 2);
+  return before == TokenKind::number || before == TokenKind::close_paren ||
+         before == TokenKind::close_bracket;
+}
+
+// 5 %, where no words follow that would be a comment.
+bool Lexer::behind_number() const {
+  if (first_on_line_ || result_.tokens.empty()) return false;
+  const std::size_t next = text_.find_first_not_of(" \t", at_ + 1);
+  const bool comment = next < text_.size() && (is_word(text_[next]) || text_[next] == '%');
+  return result_.tokens.back().kind == TokenKind::number && !comment;
+}
+
+// 5 % and 5 [%]. Without the unit the number would be another one: the rest of the line says no
+// more.
+bool Lexer::percent() {
+  if (peek() != '%') return false;
+  const bool unit = in_unit();
+  if (!unit && !behind_number()) return false;
+  const std::size_t begin = at_++;
+  report(diagnose("E0110", span_from(begin), "`%` is no sign of this language")
+             .with_help("percent are a unit: `5 [percent]`"));
+  damage();
+  if (!unit) skip_line();
+  return true;
 }
 
 // Skipped like a comment, which it is in another language.
@@ -205,7 +248,9 @@ void Lexer::word() {
   }
   const std::string_view text = text_.substr(begin, at_ - begin);
   // The same name again is the same mistake.
-  if (foreign_length > 0 && reported_words_.insert(text).second) {
+  if (foreign_length > 0 && in_unit()) {
+    foreign_unit(begin);
+  } else if (foreign_length > 0 && reported_words_.insert(text).second) {
     const Foreign* foreign = find_foreign(utf8::decode(text_, foreign_at).code);
     const std::string letter(text_.substr(foreign_at, foreign_length));
     report(diagnose("E0103", span(foreign_at, foreign_at + foreign_length),
@@ -215,6 +260,27 @@ void Lexer::word() {
                                                "and `_`"));
   }
   emit(reserved_word(text).value_or(TokenKind::name), begin);
+}
+
+// um for \u00b5m, kOhm for k\u03a9
+void Lexer::foreign_unit(std::size_t begin) {
+  std::string plain;
+  bool known = true;
+  for (std::size_t i = begin; i < at_;) {
+    const auto character = utf8::decode(text_, i);
+    if (character.code < 0x80)
+      plain += text_[i];
+    else if (character.code == 0xB5 || character.code == 0x3BC)
+      plain += 'u'; // micro, mu
+    else if (character.code == 0x3A9 || character.code == 0x2126)
+      plain += "Ohm";
+    else
+      known = false;
+    i += character.length;
+  }
+  auto error = diagnose("E0330", span_from(begin), "units are written in the letters a-z and A-Z");
+  if (known) error.help = "write `" + plain + "`";
+  report(std::move(error));
 }
 
 // number = digit { digit } [ "." { digit } ] [ ( "e" | "E" ) [ "+" | "-" ] digit { digit } ] ;
@@ -338,9 +404,11 @@ void Lexer::unknown_character() {
   at_ += character.length;
   std::array<char, 16> number{}; // some cannot be seen
   std::snprintf(number.data(), number.size(), " (U+%04X)", static_cast<unsigned>(character.code));
-  report(diagnose("E0101", span_from(begin),
-                  "`" + std::string(text_.substr(begin, character.length)) + "`" + number.data() +
-                      " has no meaning here"));
+  auto error = diagnose("E0101", span_from(begin),
+                        "`" + std::string(text_.substr(begin, character.length)) + "`" +
+                            number.data() + " has no meaning here");
+  if (character.code == 0xB0) error.help = "angles are written `30 [deg]`, temperatures in `K`";
+  report(std::move(error));
   damage();
 }
 

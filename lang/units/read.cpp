@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
 #include <utility>
 
@@ -15,6 +16,8 @@ std::optional<Unit> read(const ast::UnitText& written, Diagnostics& diagnostics)
   auto unit = read_unit(written.text);
   if (const auto* good = std::get_if<Unit>(&unit)) return *good;
   auto& wrong = std::get<UnitMistake>(unit);
+  const bool ascii = std::ranges::all_of(written.text, [](unsigned char c) { return c < 0x80; });
+  if (!ascii) return std::nullopt; // told by the lexer
   diagnostics.add(
       diagnose("E0330", written.span, std::move(wrong.message)).with_help(std::move(wrong.help)));
   return std::nullopt;

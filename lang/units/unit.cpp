@@ -97,6 +97,11 @@ UnitMistake unknown_unit(std::string_view name) {
       suggestion.consider(std::string(prefix.name) + std::string(named.name));
   }
   std::string help = suggestion.help();
+  for (std::size_t i = 1; i < name.size(); ++i) // `Nm`, `kWh`: both halves are units
+    if (find_unit(name.substr(0, i)) && find_unit(name.substr(i))) {
+      help = fmt::format("products are written `{}*{}`", name.substr(0, i), name.substr(i));
+      break;
+    }
   const bool power = name.size() > 1 && name.back() >= '2' && name.back() <= '9' &&
                      find_unit(name.substr(0, name.size() - 1));
   if (power)

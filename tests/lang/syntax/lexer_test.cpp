@@ -133,6 +133,12 @@ TEST(Lexer, ReportsAndRepairs) {
       {"a && b", "E0110 1:3-5", "name and name"},
       {"!a & b", "E0110 1:1-2; E0110 1:4-5", "not name and name"},
       {"a % b\nc", "E0110 1:3-4", "name name"},
+      {"5 % b\nc", "E0110 1:3-4", "number name"}, // a comment behind a number
+      {"5 [%] + 2 %) c\nd", "E0110 1:4-5; E0110 1:11-12",
+       "number open-bracket close-bracket plus number name"},
+      {"5 [\u00b5m*k\u03a9]", "E0330 1:4-6; E0330 1:7-9",
+       "number open-bracket name star name close-bracket"},
+      {"[\u00b5, 1]", "E0103 1:2-3", "open-bracket name comma number close-bracket"},
       {"a // b\nc", "E0210 1:3-5", "name name"},
       {"a /* b\n c */ d", "E0210 1:3-5", "name name"},
       {"a**b", "E0211 1:2-4", "name caret name"},
