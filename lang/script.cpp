@@ -10,8 +10,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
 
 namespace hvi::lang {
 
@@ -36,7 +41,11 @@ std::optional<int> load_import(Script& script, const ast::Import& import,
       if (!seen.insert(path).second) return std::nullopt;
       return script.sources.add(path, std::string(module.text));
     }
-    const std::string near = did_you_mean(name->text, known);
+    std::string near = did_you_mean(name->text, known);
+    const std::string file = name->text + ".hvi";
+    std::error_code problem;
+    if (fs::exists(fs::path(script.path).parent_path() / file, problem))
+      near = fmt::format("a file is imported by its name in quotes: `import \"{}\"`", file);
     failed = true;
     report(script, "E0318", name->span, fmt::format("there is no module `{}`", name->text),
            near.empty() ? fmt::format("modules: {}", solver::joined(known)) : near);
@@ -60,7 +69,12 @@ std::optional<int> load_import(Script& script, const ast::Import& import,
   }
   auto content = read_text(full.string());
   if (!content) {
-    report(script, "E0601", text.span, why_unreadable(full.string(), text.text));
+    const std::string stem = fs::path(text.text).stem().string();
+    const auto modules = standard_library();
+    const bool module = std::ranges::find(modules, stem, &Module::name) != modules.end();
+    report(script, "E0601", text.span, why_unreadable(full.string(), text.text),
+           module ? fmt::format("modules of the standard library have no quotes: `import {}`", stem)
+                  : meant_file(folder.string(), text.text));
     return std::nullopt;
   }
   failed = false;
@@ -80,14 +94,14 @@ void parse_script(Script& script) {
   const int id = script.sources.add(script.path, std::move(*text));
   script.programs.push_back(parse(script.sources.file(id), script.diagnostics));
   for (std::size_t p = 0; p < script.programs.size(); ++p) {
-    std::vector<int> files;
+    std::vector<std::pair<int, bool>> files; // and whether it is of the standard library
     for (const ast::Statement& statement : script.programs[p].statements)
       if (const auto* import = std::get_if<ast::Import>(&statement))
         if (auto file = load_import(script, *import, seen, script.programs[p].names_lost))
-          files.push_back(*file);
-    for (int file : files) {
+          files.emplace_back(*file, std::holds_alternative<ast::Name>(import->module));
+    for (const auto& [file, library] : files) {
       script.programs.push_back(parse(script.sources.file(file), script.diagnostics));
-      script.programs.back().library = script.sources.file(file).path().starts_with("stdlib/");
+      script.programs.back().library = library;
     }
   }
 }

@@ -113,10 +113,10 @@ void Checker::check_finds() {
       const auto word = word_of_a_script(statement);
       if (!word) continue;
       if (&program != &programs_[0]) {
-        mistakes_.error(
-            "E0405", word->second,
-            fmt::format("an imported file declares; it cannot have a {} statement", word->first),
-            "move it to the script");
+        mistakes_.error("E0405", word->second,
+                        fmt::format("an imported file declares; it cannot have the statement `{}`",
+                                    word->first),
+                        "move it to the script");
         continue;
       }
       const auto* find = std::get_if<ast::Find>(&statement);

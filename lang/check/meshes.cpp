@@ -347,7 +347,8 @@ bool Meshes::file_mesh(const ast::Mesh& m, const ast::Call& written) {
     mistakes_.error(ending_of(failure.kind).code, (*args)[0]->span,
                     missing && !solver::read_file(*full) ? why_unreadable(*full, path->text)
                                                          : said_of_file(path->text, failure.what()),
-                    failure.help);
+                    missing && failure.help.empty() ? meant_file(options_.folder, path->text)
+                                                    : failure.help);
     return false;
   }
   model_.mesh = spec;

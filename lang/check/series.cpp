@@ -72,7 +72,8 @@ Value Series::table_call(const ast::Expr& e, const ast::Call& c, const Scope& sc
   constexpr std::size_t most_bytes = std::size_t{256} << 20;
   const auto text = read_text(*full, most_bytes);
   if (!text) {
-    mistakes_.error("E0601", (*args)[0]->span, why_unreadable(*full, path->text));
+    mistakes_.error("E0601", (*args)[0]->span, why_unreadable(*full, path->text),
+                    meant_file(options_.folder, path->text));
     return Poison{};
   }
   if (text->size() > most_bytes) {

@@ -128,6 +128,8 @@ private:
 
   void take(const Quoted& quoted) {
     const std::string& text = quoted.text;
+    if (text.starts_with("import ") && (d_.code == "E0318" || d_.code == "E0601"))
+      return in_place_of(d_.primary, text.substr(std::string_view("import ").size()));
     if (text.starts_with("import ")) return insert(start(), text + "\n", text);
     if (text.starts_with(", ")) return behind_spaces(text);
     if (text.starts_with("for t in ")) return; // by its shape
