@@ -4,6 +4,7 @@ usage: fits.py SOURCE_FOLDER, with the package on PYTHONPATH"""
 import pathlib
 import sys
 import unittest
+import warnings
 
 import numpy as np
 
@@ -35,6 +36,31 @@ class Fits(unittest.TestCase):
         found = MODEL.fit({"stiffness": 60, "relaxation": 1.2}, curves(0.0, 1))
         for name, value in TRUE.items():
             self.assertAlmostEqual(found.values[name] / value, 1.0, places=6)
+
+    def test_exact_curves_leave_nothing_and_say_nothing(self):
+        result = MODEL.run()
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            found = MODEL.fit({"stiffness": 100}, {"u_x": (result["t"], result["u_x"])})
+        low, high = found.intervals["stiffness"]
+        self.assertAlmostEqual(low, 100, places=6)
+        self.assertAlmostEqual(high, 100, places=6)
+
+    def test_curves_that_begin_at_the_initial_time(self):
+        """A measured curve begins at 0. The table has a row there by `from start`; a reaction has no value in it."""
+        early = {"u_x": ([0, 0.5, 1], [0, 0.02, 0.05])}
+        with self.assertRaisesRegex(ValueError, "data from 0 to 1.*from start"):
+            MODEL.fit({"stiffness": 60}, early)
+        text = TEXT.replace("integral(ground, layer.xi)", "integral(ground, layer.xi) from start")
+        model = hvi.loads(text, n=4, N=32)
+        result = model.run()
+        self.assertEqual(result["t"][0], 0)
+        self.assertTrue(np.isnan(result["reaction"][0]), "else this tests nothing")
+        self.assertAlmostEqual(model.fit({"stiffness": 60}, {"u_x": (result["t"], result["u_x"])}).values["stiffness"], 100, places=5)
+        known = (result["t"][1:], result["reaction"][1:])
+        self.assertAlmostEqual(model.fit({"stiffness": 60}, {"reaction": known}).values["stiffness"], 100, places=5)
+        with self.assertRaisesRegex(ValueError, r"times from 0\.03125 to 1, the data from 0 to 1$"):
+            model.fit({"stiffness": 60}, {"reaction": ([0, 0.5, 1], [0, 1, 2])})
 
     def test_a_far_guess(self):
         found = MODEL.fit({"stiffness": 5, "relaxation": 6}, curves(0.0, 1))

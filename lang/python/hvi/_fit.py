@@ -91,12 +91,19 @@ class _Curves:
         return sum(map(len, self.values.values()))
 
     def predicted(self, result: Result) -> dict[str, Array]:
-        t = result["t"]
+        out = {}
         for column, times in self.times.items():
-            if times.min() < t[0] - 1e-9 * abs(t[-1]) or times.max() > t[-1] + 1e-9 * abs(t[-1]):
+            known = np.isfinite(result[column])  # of a table `from start` some have no value at the initial time
+            t, values = result["t"][known], result[column][known]
+            if not t.size:
+                raise ValueError(f"{column}: the run has no value of it in any row")
+            near = 1e-9 * abs(t[-1])
+            if times.min() < t[0] - near or times.max() > t[-1] + near:
+                early = times.min() < t[0] - near and bool(known[0])
                 raise ValueError(f"{column}: the rows of a run have times from {t[0]:g} to {t[-1]:g}, the data from {times.min():g} to "
-                                 f"{times.max():g}")
-        return {column: np.interp(times, t, result[column]) for column, times in self.times.items()}
+                                 f"{times.max():g}" + ("; `table .. from start` has a row at the initial time, too" if early else ""))
+            out[column] = np.interp(times, t, values)
+        return out
 
     def residuals(self, predicted: dict[str, Array]) -> Array:
         return np.concatenate([(self.values[c] - predicted[c]) / self.sizes[c] for c in self.values])
@@ -259,8 +266,9 @@ def _covariance(problem: _Problem, z: Array, free: Array) -> tuple[Array, Array]
     out[np.ix_(free, free)] = of_value @ of_value.T
     parts = np.stack([np.sum(of_value[:, curves.groups == g] ** 2, axis=1) for g in np.unique(curves.groups)], axis=1)
     each = np.array([own[curves.groups == g][0] for g in np.unique(curves.groups)])
-    total = np.maximum(np.sum(parts, axis=1), np.finfo(float).tiny)[:, None]
-    freedom[free] = 1.0 / np.sum((parts / total) ** 2 / each, axis=1)
+    total = np.sum(parts, axis=1)[:, None]
+    shares = np.divide(parts, total, out=np.full_like(parts, 1.0 / parts.shape[1]), where=total > 0)  # of exact data nothing is left
+    freedom[free] = 1.0 / np.sum(shares**2 / each, axis=1)
     return out, freedom
 
 
