@@ -6,6 +6,7 @@
 #include "solver/discrete/axis_parts.hpp"
 #include "solver/discrete/domains.hpp"
 #include "solver/discrete/overlaps.hpp"
+#include "solver/mesh/boundary_distance.hpp"
 #include "solver/plan/couplings.hpp"
 #include "solver/plan/validate.hpp"
 #include "solver/results/law_sampler.hpp"
@@ -196,9 +197,15 @@ void check_probe_points(const ReportSpec& report, const Discretisation& d,
   for (const auto& probe : report.probes) {
     if (probe.kind != Probe::Kind::at_point || locator.find(probe.point, barycentric) >= 0)
       continue;
-    failures.emplace_back(FailureKind::bad_value, probe.origin,
-                          fmt::format("the point {} of `{}` is outside the mesh",
-                                      describe_point(probe.point, d.mesh.dim), probe.name));
+    const NearestOnBoundary near = nearest_on_boundary(d.mesh, probe.point);
+    const bool almost = near.distance < 0.02 * bounding_box(d.mesh).diagonal();
+    failures.emplace_back(
+        FailureKind::bad_value, probe.origin,
+        fmt::format("the point {} of `{}` is outside the mesh",
+                    describe_point(probe.point, d.mesh.dim), probe.name),
+        fmt::format("the nearest point of the mesh is {:.3g} away, about {}{}", near.distance,
+                    describe_point(near.at, d.mesh.dim),
+                    almost ? "; sides of cells are straight, also those of round bodies" : ""));
   }
 }
 

@@ -1,5 +1,6 @@
 // Seams, overlaps, pieces, cells of second order and the limit of degenerate cells, on small meshes
 // whose faults are known by construction. tests/families/meshes.py makes many more.
+#include "solver/mesh/boundary_distance.hpp"
 #include "solver/mesh/inspect.hpp"
 #include "solver/mesh/read_msh.hpp"
 #include "tests/solver/mesh/helpers.hpp"
@@ -165,6 +166,35 @@ TEST(Degenerate, CellsOnBothSidesOfTheLimit) {
   for (const int dim : {2, 3}) {
     EXPECT_NEAR(cell_measure(parse(dim, 1.1e-14), 0), 1.1e-14, 1e-19);
     EXPECT_EQ(failure_of([&] { parse(dim, 0.9e-14); }).kind, FailureKind::bad_mesh);
+  }
+}
+
+/// Against the nearest of many places on the facets.
+TEST(NearestOnBoundary, IsAsNearAsAnyPlaceOfIt) {
+  constexpr int n = 40;
+  for (const int dim : {1, 2, 3}) {
+    const Mesh mesh = test::shaken_mesh(dim, 3, 5);
+    for (int trial = 0; trial < 40; ++trial) {
+      Point p{};
+      for (int i = 0; i < dim; ++i) p[i] = 0.5 + 2 * std::sin(1.7 * trial + 2.9 * i);
+      const auto away = [&](const Point& x) {
+        return std::hypot(x[0] - p[0], x[1] - p[1], x[2] - p[2]);
+      };
+      const NearestOnBoundary found = nearest_on_boundary(mesh, p);
+      double best = 1e300;
+      for (const Facet& f : mesh.facets)
+        for (int a = 0; f.other < 0 && a <= (dim > 1 ? n : 0); ++a)
+          for (int b = 0; b <= (dim > 2 ? n - a : 0); ++b) {
+            const double parts[3] = {1.0 - double(a + b) / n, double(a) / n, double(b) / n};
+            Point x{};
+            for (int k = 0; k < dim; ++k)
+              for (int i = 0; i < dim; ++i) x[i] += parts[k] * mesh.nodes[f.nodes[k]][i];
+            best = std::min(best, away(x));
+          }
+      EXPECT_LE(found.distance, best + 1e-12);
+      EXPECT_GE(found.distance, best - 0.02);
+      EXPECT_NEAR(away(found.at), found.distance, 1e-12);
+    }
   }
 }
 
