@@ -209,14 +209,20 @@ bool turns_with_normal(const solver::Expr& e) {
   return false;
 }
 
-/// The parts on which something is counted along the normal: pressures, normal laws, `u.nu`.
-std::vector<bool> parts_with_normal(const solver::Plan& plan) {
+/// The parts on which something depends on the side that the normal points out of: what is counted
+/// along it (pressures, normal laws, `u.nu`), and gradients, which are those of that side.
+std::vector<bool> parts_with_side(const solver::Plan& plan) {
   std::vector<bool> out(plan.problem.parts.size(), false);
+  const auto mark = [&](int part) { out[static_cast<std::size_t>(part)] = true; };
   const auto note = [&](int part, const solver::Expr& e) {
-    if (part >= 0 && turns_with_normal(e)) out[static_cast<std::size_t>(part)] = true;
+    const bool gradient = std::ranges::any_of(solver::slots_of(e), solver::slot::is_field_gradient);
+    if (part >= 0 && (gradient || turns_with_normal(e))) mark(part);
   };
   for (const auto& form : plan.problem.forms)
-    for (const auto& e : form.entries) note(form.part, e.coefficient);
+    for (const auto& e : form.entries) {
+      note(form.part, e.coefficient);
+      if (!solver::slot::is_value(e.test) || !solver::slot::is_value(e.trial)) mark(form.part);
+    }
   for (const auto* loads : {&plan.problem.loads, &plan.problem.state_loads})
     for (const auto& load : *loads)
       for (const auto& e : load.entries) note(load.part, e.value);
@@ -248,9 +254,9 @@ std::optional<std::int32_t> turned_at(const solver::Mesh& mesh, const solver::Re
 
 /// Facets inside the body have the normals that the order of their nodes in the file gives.
 void report_turned(Script& script, const solver::Discretisation& d) {
-  const auto with_normal = parts_with_normal(*script.plan);
+  const auto with_side = parts_with_side(*script.plan);
   for (std::size_t i = 0; i < d.parts.size(); ++i) {
-    if (!with_normal[i] || d.parts[i].kind != Group::Kind::facets || d.parts[i].is_pair()) continue;
+    if (!with_side[i] || d.parts[i].kind != Group::Kind::facets || d.parts[i].is_pair()) continue;
     const auto node = turned_at(d.mesh, d.parts[i]);
     if (!node) continue;
     const auto& part = script.model->parts[i];
