@@ -96,7 +96,15 @@ private:
       header_ = true;
       return;
     }
-    if (!x || !y) fail(name_, line_, fmt::format("{} is not a number", quoted(cells[x ? 1 : 0])));
+    if (!x || !y) {
+      const std::string_view cell = cells[x ? 1 : 0];
+      const bool comma = cell.find(',') != cell.npos, marks = cell.starts_with('"');
+      fail(name_, line_,
+           fmt::format("{} is not a number{}", quoted(cell),
+                       comma   ? ": decimals follow a point, not a comma"
+                       : marks ? ": numbers have no quotation marks"
+                               : ""));
+    }
     if (!std::isfinite(*x) || !std::isfinite(*y)) fail(name_, line_, "a value is not finite");
     if (!x_.empty() && !(x_.back() < *x))
       fail(name_, line_,

@@ -93,6 +93,9 @@ TEST(ParseTable, NamesTheLine) {
   using testing::HasSubstr;
   EXPECT_THAT(error_of("0 1\n1 2 3\n"), HasSubstr("line 2: two columns expected, found 3"));
   EXPECT_THAT(error_of("0 1\n1 two\n"), HasSubstr("line 2: \"two\" is not a number"));
+  EXPECT_THAT(error_of("t;f\n0,5;1,5\n1;2\n"),
+              HasSubstr("line 2: \"0,5\" is not a number: decimals follow a point"));
+  EXPECT_THAT(error_of("t,f\n\"0\",\"1\"\n"), HasSubstr("numbers have no quotation marks"));
   EXPECT_THAT(error_of("0 1\n2 2\n1 2\n"), HasSubstr("line 3: the first column must increase"));
   EXPECT_THAT(error_of("0 1\nnan 2\n"), HasSubstr("line 2: a value is not finite"));
   EXPECT_THAT(error_of("a b\nc d\n0 1\n1 2\n"), HasSubstr("line 2: \"c\" is not a number"));
