@@ -125,8 +125,11 @@ void Search::finish(AccuracyTry& now, const KeptRun& run, const KeptRun& compani
   now.space_distance = distance_between(companion, run);
   record_distance(companion, run, now.space_distance);
   add_rung(space_[element_of(now.setting)], {0.5 * now.setting.level, 2.0, now.space_distance});
-  now.space_order = space_law(element_of(now.setting)).order;
+  const ErrorLaw law = space_law(element_of(now.setting));
+  now.space_order = law.order;
   now.space_error = finer_error(now.space_distance, 2.0, now.space_order, space_distance_);
+  if (space_distance_ == Distance::additive)
+    now.space_error = std::max(now.space_error, law.at(now.setting.level));
   now.estimate = now.space_error + now.time_error;
   out_.tries.push_back(now);
   out_.reached = accuracy_safety * now.estimate <= out_.request.wanted;

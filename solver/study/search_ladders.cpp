@@ -170,7 +170,17 @@ void Search::pair_up() {
 ErrorLaw Search::space_law(Element element) const {
   const int order = family_.nominal_order(element.first);
   const double nominal = out_.request.probe.empty() ? order : 2 * order;
-  ErrorLaw out = fit_error(space_.at(element), nominal, space_distance_, floor_);
+  const auto& rungs = space_.at(element);
+  ErrorLaw out = fit_error(rungs, nominal, space_distance_, floor_);
+  // Of a value at a point the error changes with the place of the point in its cell, also its sign:
+  // the last two runs may be near each other by chance, which the pair before them gives away.
+  if (space_distance_ == Distance::additive && rungs.size() > 1) {
+    const Rung& before = rungs[rungs.size() - 2];
+    const double coarser =
+        coarser_error(before.distance, before.ratio, out.order, Distance::additive);
+    if (before.distance > floor_)
+      out.at_one = std::max(out.at_one, coarser * std::pow(before.resolution, out.order));
+  }
   if (const auto seen = refused_.find(element); seen != refused_.end())
     out.at_one =
         std::max(out.at_one, seen->second.error * std::pow(seen->second.resolution, out.order));

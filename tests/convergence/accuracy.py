@@ -118,3 +118,26 @@ with tempfile.TemporaryDirectory() as folder:
     script.write_text(pulled)
     result = reach(script, "--accuracy", 1e-3, "--of", "sideways")
     assert max(map(abs, result["table"]["sideways"])) < 1e-13 and len(result["accuracy"]["tries"]) == 1
+
+# Points between the nodes, whose errors change with their places in their cells: u'' = -1 left of 3/4, -1/k right of it.
+between = """mesh bar = interval(1, cells = 4)
+part ends = bar.boundary
+part hard = bar where x > 0.75
+part soft = bar - hard
+space V = scalar P1 on bar, zero on ends
+find u in V
+such that for all v in V
+    integral(soft, dot(grad(u), grad(v))) + integral(hard, {k}*dot(grad(u), grad(v))) = integral(bar, v)
+report
+  table middle = u at [{x}]
+"""
+with tempfile.TemporaryDirectory() as folder:
+    script = pathlib.Path(folder) / "model.hvi"
+    for i in range(24):
+        x, k = round(0.1 + 0.026 * i, 4), 0.05 + 0.04 * i
+        slope = (0.5 / k + 0.75**2 / 2 * (1 - 1 / k)) / (0.75 + 0.25 / k)
+        script.write_text(between.format(x=x, k=k))
+        for wanted in (1e-3, 3e-3):
+            result = reach(script, "--accuracy", wanted, "--of", "middle")
+            exact = slope * x - x**2 / 2
+            assert abs(result["final"]["middle"] / exact - 1) <= wanted, (x, k, wanted, result["accuracy"]["tries"])
