@@ -138,7 +138,8 @@ void add_run(CLI::App& run, Options& options) {
   run.add_flag("--resume", options.resume, "go on from the last checkpoint");
   run.add_option("--accuracy", options.accuracy,
                  "find the cheapest setting with this relative error")
-      ->check(positive);
+      ->check(positive)
+      ->excludes("--resume"); // what it compares are all steps
   run.add_option("--of", options.accuracy_of, "the accuracy of this column, not of u in V")
       ->check(named);
   run.add_flag("--as-written", options.as_written,

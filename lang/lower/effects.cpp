@@ -14,6 +14,10 @@ using solver::Effect;
 using solver::EffectNote;
 using solver::Group;
 
+bool rubs(const Model& model, const LawUse& use) {
+  return model.laws[static_cast<std::size_t>(use.law)].spec.radial && !use.sees_gradient();
+}
+
 namespace {
 
 using State = EffectNote::State;
@@ -92,7 +96,7 @@ EffectNote note_of_law(Model& model, const solver::Problem& problem, const Model
   const solver::LawSpec& spec = model.laws[use.law].spec;
   const bool zero = (term.factor * use.factor).is(0.0), flat = spec.expression.is(0.0);
   EffectNote law;
-  law.name = fmt::format("{}{} `{}` on `{}`", spec.radial ? "friction" : "law", on_what(use),
+  law.name = fmt::format("{}{} `{}` on `{}`", rubs(model, use) ? "friction" : "law", on_what(use),
                          use.name, model.parts[term.part].name);
   law.state = zero || flat ? State::dropped : State::on;
   law.origin = origin_of(model, problem, use.span);
@@ -150,7 +154,7 @@ std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
   bool any_normal = false, any_friction = false;
   for (const ModelTerm& term : model.terms)
     for (const LawUse& use : term.integrand.laws) {
-      (model.laws[use.law].spec.radial ? any_friction : any_normal) = true;
+      (rubs(model, use) ? any_friction : any_normal) = true;
       out.push_back(note_of_law(model, problem, term, use));
     }
   add_pairs(model, problem, out);

@@ -12,4 +12,7 @@ namespace hvi::lang {
 /// An effect that stands in the script but folds to zero is `dropped`, with its line.
 std::vector<solver::EffectNote> effects(Model& model, const solver::Problem& problem);
 
+/// Is it friction: a law of a vector that is no gradient?
+bool rubs(const Model& model, const LawUse& use);
+
 } // namespace hvi::lang

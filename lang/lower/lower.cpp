@@ -299,8 +299,7 @@ private:
     const bool by_gauss = term.rule == solver::Rule::exact ||
                           (use.sees_gradient() && term.rule == solver::Rule::nodal);
     out.rule = by_gauss ? solver::Rule::gauss : term.rule; // there are no gradients at nodes
-    const bool rubs = model_.laws[use.law].spec.radial && !use.sees_gradient();
-    out.effect = rubs ? Effect::friction : Effect::normal_law;
+    out.effect = rubs(model_, use) ? Effect::friction : Effect::normal_law;
     out.factor = factor;
     for (const LawRow& row : use.rows) {
       solver::LawTerm::Row r;

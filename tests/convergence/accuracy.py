@@ -61,6 +61,9 @@ assert "no column `nothing`" in reach(root / "examples/manufactured.hvi", "--acc
 message = reach(root / "examples/slab.hvi", "--accuracy", 1e-7, "--budget", 5, code=3)
 assert "E0705" in message and "out of reach" in message, message
 
+# What it compares are all steps of a run, which one that goes on has not.
+assert "excludes" in reach(root / "examples/slab.hvi", "--accuracy", 1e-2, "--resume", code=2)
+
 # A run begins where it begins: the search sees a static start as it sees the same values given.
 begun = """mesh bar = interval(1, cells = 4)
 part left = bar.left
@@ -74,12 +77,12 @@ report
   table tip = u at [1]
 """
 with tempfile.TemporaryDirectory() as folder:
-    script, chosen = pathlib.Path(folder) / "model.hvi", []
+    script, ladders = pathlib.Path(folder) / "model.hvi", []
     for start in ("static", "0.5*x"):
         script.write_text(begun.format(start))
-        result = reach(script, "--accuracy", 1e-4)
-        chosen.append((result["accuracy"]["tries"][-1]["setting"], len(result["accuracy"]["runs"])))
-    assert chosen[0] == chosen[1], chosen
+        runs = reach(script, "--accuracy", 1e-4)["accuracy"]["runs"]  # what is chosen goes by measured times, the ladder does not
+        ladders.append([(run["setting"], run.get("distance", 0.0)) for run in runs if run["purpose"].startswith("time ladder")])
+    assert min(map(len, ladders)) > 6 and all(a[0] == b[0] and abs(a[1] - b[1]) <= 1e-9 for a, b in zip(*ladders)), ladders
 
 # Two runs of the ladder are near each other by chance here, where the error in the middle changes its sign: the check says
 # what the law of the ladder does not, and the search goes on to a finer mesh (it tried one mesh twelve times).

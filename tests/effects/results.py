@@ -86,7 +86,7 @@ def balance_columns(text):
     code = re.sub(r"#.*", "", text)
     find = re.search(r"\bfind\b.*?(?=\n\s*(?:report|expect|study|param|fn|part|tensor|kernel|superpotential|space|mesh|state|import)\b|\Z)",
                      code, re.S)[0]
-    unknowns = re.findall(r"(\w+) in (\w+)", re.split(r"\bfor\b|\bwith\b|\busing\b|\bsuch\b", find, maxsplit=1)[0])
+    unknowns = re.findall(r"(\w+)(?: \[[^\]]*\])? in (\w+)", re.split(r"\bfor\b|\bwith\b|\busing\b|\bsuch\b", find, maxsplit=1)[0])
     tests = re.findall(r"(\w+) in \w+", re.search(r"for all ((?:\w+ in \w+(?:,\s*)?)+)", find)[1])
     kinds = {name: kind for name, kind in re.findall(r"space\s+(\w+)\s*=\s*(scalar|vector)", code)}
     unknown = next((i for i, (_, space) in enumerate(unknowns) if kinds[space] == "vector"), 0)

@@ -13,6 +13,7 @@ import argparse
 import json
 import pathlib
 import random
+import re
 import subprocess
 import sys
 import tempfile
@@ -253,7 +254,7 @@ def compare(program, scene, folder):
     if "M is not compact" not in " ".join(judged.stdout.split()):
         return "`check` takes M for compact"
     planned = subprocess.run([program, "plan", path], capture_output=True, text=True, timeout=300)
-    if "law `inner` on `all`" not in planned.stdout:
+    if not re.search(r"law( on the rate)? `inner` on `all`", planned.stdout):
         return "`plan` names another effect"
     answer = json.loads((folder / "out.json").read_text())
     names = [name for name in answer["table"] if name not in ("t", "event")]
