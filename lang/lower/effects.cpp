@@ -84,8 +84,8 @@ All seen_in(const Model& model, const solver::Problem& problem) {
   };
   for (const solver::FormTerm& form : problem.forms)
     mark(form.effect, true, model.origins[form.origin.id]);
-  for (const solver::LoadTerm& load : all_loads(problem))
-    mark(load.effect, true, model.origins[load.origin.id]);
+  for (const solver::LoadTerm* const load : all_loads(problem))
+    mark(load->effect, true, model.origins[load->origin.id]);
   for (const ModelTerm& term : model.terms)
     if (term.integrand.laws.empty() && folded(term)) mark(effect_of(model, term), false, term.span);
   return seen;

@@ -36,7 +36,7 @@ std::vector<Failure> integrals_on_axis(const Plan& plan, const Mesh& mesh,
   };
   for (const auto& form : problem.forms) look(form.part, form.origin);
   for (const auto& law : problem.law_terms) look(law.part, law.origin);
-  for (const auto& load : all_loads(problem)) look(load.part, load.origin);
+  for (const LoadTerm* const load : all_loads(problem)) look(load->part, load->origin);
   for (const auto& state : problem.states) look(state.part, state.origin);
   for (const auto& probe : plan.report.probes)
     if (probe.kind == Probe::Kind::integral) look(probe.part, probe.origin);

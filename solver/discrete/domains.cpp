@@ -134,10 +134,10 @@ std::vector<Failure> outside_domains(const Plan& plan, const Discretisation& d) 
     for (const auto& entry : form.entries) read.add(entry.test), read.add(entry.trial);
     checks.on_part(read, form.part, form.origin, "a form");
   }
-  for (const LoadTerm& load : all_loads(problem)) {
+  for (const LoadTerm* const load : all_loads(problem)) {
     Read read;
-    for (const auto& entry : load.entries) read.add(entry.test);
-    checks.on_part(read, load.part, load.origin, "a load");
+    for (const auto& entry : load->entries) read.add(entry.test);
+    checks.on_part(read, load->part, load->origin, "a load");
   }
   check_laws(problem, d, checks);
   for (const StateTerm& state : problem.states) {

@@ -92,8 +92,9 @@ std::vector<Failure> overlaps(const Problem& problem, const Mesh& mesh,
   for (const auto& term : problem.law_terms)
     check_clamped(problem, mesh, parts, term.origin, term.part, acted_on(term),
                   "the law `" + term.name + "`", failures);
-  for (const auto& load : all_loads(problem))
-    check_clamped(problem, mesh, parts, load.origin, load.part, acted_on(load), "a load", failures);
+  for (const LoadTerm* const load : all_loads(problem))
+    check_clamped(problem, mesh, parts, load->origin, load->part, acted_on(*load), "a load",
+                  failures);
   for (std::size_t b = 0; b < problem.law_terms.size(); ++b)
     for (std::size_t a = 0; a < b; ++a) {
       const auto &first = problem.law_terms[a], &second = problem.law_terms[b];

@@ -89,7 +89,7 @@ public:
     for (std::size_t l = 0; l < problem_.laws.size(); ++l) law(l);
     for (std::size_t l = 0; l < problem_.law_terms.size(); ++l) law_term(l);
     for (std::size_t i = 0; i < problem_.states.size(); ++i) state(i);
-    for (const auto& term : all_loads(problem_)) load(term);
+    for (const LoadTerm* const term : all_loads(problem_)) load(*term);
     time();
     print(options);
     print(report);

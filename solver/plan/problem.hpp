@@ -19,8 +19,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <ranges>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -345,8 +343,11 @@ struct Problem {
 };
 
 /// Those that read states, too.
-inline auto all_loads(const Problem& problem) {
-  return std::views::join(std::array{std::span(problem.loads), std::span(problem.state_loads)});
+inline std::vector<const LoadTerm*> all_loads(const Problem& problem) {
+  std::vector<const LoadTerm*> out;
+  for (const LoadTerm& load : problem.loads) out.push_back(&load);
+  for (const LoadTerm& load : problem.state_loads) out.push_back(&load);
+  return out;
 }
 
 /// How fast row `row` moves with the increment of u, fields moving by these factors.

@@ -126,8 +126,8 @@ private:
 std::vector<TimeFunction> time_functions(const Problem& problem) {
   using K = TimeFunction::Kind;
   Gathering all(problem);
-  for (const auto& load : all_loads(problem))
-    for (const auto& entry : load.entries) all.add(entry.value, K::load);
+  for (const LoadTerm* const load : all_loads(problem))
+    for (const auto& entry : load->entries) all.add(entry.value, K::load);
   for (const auto& side : problem.space.dirichlet)
     for (const Expr& value : side.value) all.add(value, K::imposed);
   for (const auto& term : problem.law_terms)
