@@ -1,5 +1,7 @@
 // Mesh, parts and space of a plan, with every mistake of theirs found at once. First stage of the
 // engine: plan -> Discretisation -> run (run.cpp), hypotheses, study.
+#include "solver/time/discretise.hpp"
+
 #include "solver/assembly/pairing.hpp"
 #include "solver/common/clock.hpp"
 #include "solver/common/memory_room.hpp"
