@@ -5,7 +5,7 @@ usage: gradient_laws.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDE
 A law of M u = G grad u inside a body has one point for each cell of P1. Here G and the forms are assembled anew from the mesh that the script reads,
 and every step is solved by the alternating direction method of multipliers, one proximal map for each cell, found by bisection (R. Glowinski,
 A. Marrocco, Sur l'approximation, par elements finis d'ordre un, et la resolution, par penalisation-dualite, d'une classe de problemes de Dirichlet
-non lineaires, 1975). Scenes: scalars and vectors in 1D, 2D and 3D on meshes with nodes off the lattice; laws of a number (a strain, div u, a component
+non lineaires, 1975). Scenes: scalars and vectors in 1D, 2D and 3D on meshes with nodes off the lattice, turned, of sizes and stiffnesses decades apart; laws of a number (a strain, div u, a component
 of grad u) and of a vector (all of grad u, all strains in the plane), with jumps, softening, hardening; of u and of u', static and in time; sums of both;
 offsets; parts of the body. Runs are certified; values of u and integrals of multipliers agree to 1e-6 of the largest of their kind.
 """
@@ -138,18 +138,27 @@ class Scene:
         self.d = 1 if self.dim == 1 else r.choice([1, self.dim])
         self.x, self.cells = lattice(r, self.dim, {1: r.randint(3, 9), 2: r.randint(2, 5), 3: 2}[self.dim])
         self.held = {i for i, p in enumerate(self.x) if p[0] == 0.0}
+        # Turned, of any size and stiffness; strains stay about one.
+        size, stiff = 10 ** r.uniform(-3, 3), 10 ** r.uniform(-5, 5)
+        turn = numpy.eye(self.dim)
+        for a in range(self.dim - 1):
+            angle = r.choice([0.0, r.uniform(0, 6.28)])
+            about = numpy.eye(self.dim)
+            about[a : a + 2, a : a + 2] = [[numpy.cos(angle), -numpy.sin(angle)], [numpy.sin(angle), numpy.cos(angle)]]
+            turn = about @ turn
+        self.x = size * self.x @ turn.T
         kinds = {(1, 1): ["part"], (2, 1): ["grad", "grad", "part"], (3, 1): ["grad", "grad", "part"], (2, 2): ["div", "shear", "strain", "strain"],
                  (3, 3): ["div", "shear", "shears"]}[self.dim, self.d]
         self.kind = r.choice(kinds)
-        self.viscosity, self.stiffness = r.uniform(0.5, 2), r.uniform(0.5, 2)
+        self.viscosity, self.stiffness = stiff * r.uniform(0.5, 2), stiff * r.uniform(0.5, 2)
         self.steps = r.choice([0, 3])
         self.rate = self.steps > 0 and r.random() < 0.5
         self.radial = self.kind in ("grad", "strain", "shears")
         # A law on u may soften by less than the stiffness allows; one on the rate by less than the viscosity.
-        self.law = Law(r, 0.9 * (self.viscosity if self.rate else self.stiffness) * (0.5 if self.d > 1 else 1.0) / (self.d if self.kind == "div" else 1))
+        self.law = Law(r, 0.9 / stiff * (self.viscosity if self.rate else self.stiffness) * (0.5 if self.d > 1 else 1.0) / (self.d if self.kind == "div" else 1))
         self.offset = r.choice([0.0, 0.0, 0.07]) if not self.radial else 0.0
-        self.share = r.choice([1.0, 1.0, 0.5])
-        self.load = [r.uniform(-1.5, 1.5) for _ in range(self.d)]
+        self.share = stiff * r.choice([1.0, 1.0, 0.5])
+        self.load = [stiff / size * r.uniform(-1.5, 1.5) for _ in range(self.d)]
         self.rests = False  # somewhere, where forces below a yield stress may be shared in many ways
         self.probed = sorted(r.sample(sorted(set(range(len(self.x))) - self.held), 3))
 
@@ -266,7 +275,8 @@ def compare(program, scene, folder):
     values = 3 * scene.d
     shared = scene.rests and len(names) - values > 1
     for part in [slice(0, values)] if shared else [slice(0, values), slice(values, None)]:
-        off = abs(found[:, part] - expected[:, part]).max() / max(1e-3, abs(expected[:, part]).max())
+        least = 1e-3 * (scene.x.max() - scene.x.min()) ** (1 if part.start == 0 else scene.dim)
+        off = abs(found[:, part] - expected[:, part]).max() / max(least, abs(expected[:, part]).max())
         if not off <= AGREE:
             return f"off by {off:.2e} in {names[part]}: {found[-1][part]} and {expected[-1][part]}"
     return ""
