@@ -181,6 +181,22 @@ bool Pictures::picture_factor(const ast::PictureItem& item, double& out) {
   return true;
 }
 
+/// Does the field read a multiplier whose points lie inside the cells, with nothing between them?
+bool Pictures::is_inside_cells(const solver::FieldSpec& field) const {
+  std::vector<char> inside; // by application of a law
+  for (const ModelTerm& term : model_.terms)
+    for (const LawUse& use : term.integrand.laws) {
+      const auto kind = model_.parts[static_cast<std::size_t>(term.part)].kind;
+      inside.push_back(kind == solver::Group::Kind::cells &&
+                       (use.sees_gradient() || term.rule != solver::Rule::nodal));
+    }
+  return std::ranges::any_of(field.components, [&](const Symbol& component) {
+    return std::ranges::any_of(component.slots(), [&](solver::Slot s) {
+      return slot::is_multiplier(s) && inside[static_cast<std::size_t>(slot::term_of(s))] != 0;
+    });
+  });
+}
+
 void Pictures::read(const ast::PictureItem& item) {
   const auto all = shown_by(item);
   if (std::ranges::any_of(all, [&](const ast::Expr* e) { return is_graph(*e); }))
@@ -192,6 +208,15 @@ void Pictures::read(const ast::PictureItem& item) {
   for (const ast::Expr* e : all) {
     fields.push_back(fields_.output_field(*e));
     const auto& field = fields.back();
+    if (field && is_inside_cells(*field)) {
+      mistakes_.error(
+          "E0306", e->span,
+          fmt::format("`{}` lives at points inside the cells, and no picture knows what "
+                      "is between them",
+                      field->name),
+          "write it with `fields` and open the VTU file");
+      return;
+    }
     if (field && fields_.is_new(*field, side_by_side)) side_by_side.push_back(*field);
   }
   std::vector<std::optional<double>> times;

@@ -29,6 +29,7 @@ private:
   void graphs(const ast::PictureItem& item);
   bool picture_times(const ast::PictureItem& item, std::vector<std::optional<double>>& out);
   bool picture_factor(const ast::PictureItem& item, double& out);
+  bool is_inside_cells(const solver::FieldSpec& field) const;
 
   Mistakes& mistakes_;
   const Names& names_;
