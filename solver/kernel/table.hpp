@@ -23,6 +23,7 @@ public:
   double first() const { return x_.front(); }
   double last() const { return x_.back(); }
   const std::vector<double>& abscissae() const { return x_; }
+  const std::vector<double>& ordinates() const { return y_; }
   const std::string& name() const { return name_; }
   Interpolation interpolation() const { return kind_; }
 
