@@ -4,14 +4,17 @@
 #include "lang/cli/say.hpp"
 #include "lang/diag/failures.hpp"
 #include "solver/linear/processes.hpp"
-#include "solver/results/piece_files.hpp"
+#include "solver/results/helper_of_run.hpp"
 
 namespace hvi::lang {
 
 int among_processes(const std::function<int()>& program) {
   const solver::Processes processes = solver::started_processes();
   if (!processes.several()) return program();
-  if (processes.rank > 0) return solver::serve(processes, solver::write_piece);
+  if (processes.rank > 0) {
+    solver::HelperOfRun helper;
+    return solver::serve(processes, helper);
+  }
   try {
     solver::lead(processes);
   } catch (const solver::Failure& failure) {

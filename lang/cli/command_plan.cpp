@@ -47,6 +47,8 @@ void print_forecast(const Forecast& f) {
   const double more = f.most_bytes - solver::memory_held();
   say("memory: {} at most{}\n", solver::bytes_text(f.most_bytes),
       more > room.bytes ? fmt::format(", MORE than {} leaves", room.from) : "");
+  if (w.iterative.assembling > 1)
+    say("assembly: each of the {} processes on its own cells\n", w.iterative.assembling);
   if (w.iterative.bytes_of_others > 0)
     say("memory of each other process: {} at most\n",
         solver::bytes_text(w.iterative.bytes_of_others));

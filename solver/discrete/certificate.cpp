@@ -2,10 +2,12 @@
 #include "solver/discrete/certificate.hpp"
 
 #include "solver/inequality/rounding_of_arguments.hpp"
+#include "solver/linear/matrix_rows.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace hvi::solver {
 
@@ -58,8 +60,9 @@ void for_each_row(int n, std::span<const int> contact, const SparseMatrix& force
 /// The worst of all rows' errors.
 class WorstRow {
 public:
-  WorstRow(const SparseMatrix& k, const Vector& d, const Reactions& reactions, const Vector& xi)
-      : k_(k), d_(d), xi_(xi), force_(reactions.force), of_unknown_(reactions.of_unknown),
+  WorstRow(std::function<double(int)> whole_size, const Reactions& reactions, const Vector& xi)
+      : whole_size_(std::move(whole_size)), xi_(xi), force_(reactions.force),
+        several_(!reactions.of_unknown.empty()),
         largest_xi_(xi.size() > 0 ? xi.lpNorm<Eigen::Infinity>() : 0.0) {}
   /// Divides only where it is the worst so far; a NaN is worse than anything. A residual without
   /// any scale has an infinite error.
@@ -79,25 +82,20 @@ private:
   /// rounding of the others, and which rows these are depends on the axes. Of several unknowns each
   /// has its own size and multipliers.
   double whole_scale(int i) const {
-    double diagonal = 0.0, largest = 0.0, weight = 0.0;
-    const bool several = !of_unknown_.empty();
-    for (SparseMatrix::InnerIterator it(k_, i); it; ++it) {
-      if (several && of_unknown_[it.col()] != of_unknown_[i]) continue;
-      if (it.col() == i) diagonal = std::abs(it.value());
-      largest = std::max(largest, std::abs(d_[it.col()]));
-    }
-    if (several) return diagonal * largest + reaction_of(force_, i, xi_).size;
+    const double of_body = whole_size_(i);
+    if (several_) return of_body + reaction_of(force_, i, xi_).size;
+    double weight = 0.0;
     if (largest_xi_ > 0.0)
       for (SparseMatrix::InnerIterator it(force_, i); it; ++it) weight += std::abs(it.value());
-    return diagonal * largest + weight * largest_xi_;
+    return of_body + weight * largest_xi_;
   }
 
   /// The part of it in a row's scale: the rounding it covers stays far below any tolerance.
   static constexpr double least_part = 0.01;
-  const SparseMatrix& k_;
-  const Vector &d_, &xi_;
+  std::function<double(int)> whole_size_;
+  const Vector& xi_;
   const SparseMatrix& force_;
-  std::span<const std::uint8_t> of_unknown_;
+  bool several_;
   double largest_xi_;
   double worst_ = 0.0;
 };
@@ -138,7 +136,13 @@ void gap_and_scale(const SparseMatrix& k, const Vector& d, const Vector& b, Vect
 
 double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& gap,
                          const Vector& scale, const Reactions& reactions, const Vector& xi) {
-  WorstRow worst(k, d, reactions, xi);
+  const HeldRows rows(k, reactions.of_unknown);
+  return equilibrium_error(rows.whole_sizes(d), gap, scale, reactions, xi);
+}
+
+double equilibrium_error(const std::function<double(int)>& whole_size, const Vector& gap,
+                         const Vector& scale, const Reactions& reactions, const Vector& xi) {
+  WorstRow worst(whole_size, reactions, xi);
   for (int i = 0; i < gap.size(); ++i) {
     const auto reaction = xi.size() > 0 ? reaction_of(reactions.force, i, xi) : RowSums{};
     worst.take(i, std::abs(gap[i] - reaction.sum), scale[i] + reaction.size);
@@ -153,7 +157,8 @@ double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& b
   const int* columns = k.innerIndexPtr();
   const double* values = k.valuePtr();
   const double* x = d.data();
-  WorstRow worst(k, d, reactions, xi);
+  const HeldRows held(k, reactions.of_unknown);
+  WorstRow worst(held.whole_sizes(d), reactions, xi);
   for_each_row(
       static_cast<int>(k.rows()), contact, reactions.force, xi, [&](int i, RowSums reaction) {
         const auto [sum, size] =
@@ -167,7 +172,8 @@ double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& b
 double equilibrium_error(const SparseMatrix& k, const Vector& diagonal, const Vector& kd,
                          const Vector& d, const Vector& b, std::span<const int> contact,
                          const Reactions& reactions, const Vector& xi, Vector& gap) {
-  WorstRow worst(k, d, reactions, xi);
+  const HeldRows held(k, reactions.of_unknown);
+  WorstRow worst(held.whole_sizes(d), reactions, xi);
   for_each_row(
       static_cast<int>(k.rows()), contact, reactions.force, xi, [&](int i, RowSums reaction) {
         gap[i] = b[i] - kd[i];

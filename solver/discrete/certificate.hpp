@@ -4,6 +4,7 @@
 
 #include "solver/discrete/contact.hpp"
 
+#include <functional>
 #include <span>
 
 namespace hvi::solver {
@@ -22,6 +23,9 @@ void gap_and_scale(const SparseMatrix& k, const Vector& d, const Vector& b, Vect
 /// row is the size its terms would have with rotated axes: in a row where they vanish the residual
 /// is rounding of the other rows, and which rows vanish depends on the axes.
 double equilibrium_error(const SparseMatrix& k, const Vector& d, const Vector& gap,
+                         const Vector& scale, const Reactions& reactions, const Vector& xi);
+/// The same with K_ii max |d_j| by row (MatrixRows::whole_sizes).
+double equilibrium_error(const std::function<double(int)>& whole_size, const Vector& gap,
                          const Vector& scale, const Reactions& reactions, const Vector& xi);
 
 /// Both in one reading of K: gap = b - K d, and the backward error. `contact`: the unknowns,

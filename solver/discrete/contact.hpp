@@ -14,6 +14,7 @@
 #include "solver/discrete/state.hpp"
 #include "solver/inequality/inequality.hpp"
 #include "solver/linear/basis_change.hpp"
+#include "solver/linear/pieces.hpp"
 
 #include <algorithm>
 #include <array>
@@ -139,6 +140,9 @@ void contact_part(const Contact& contact, const Vector& d, Vector& c);
 /// moves is at rest exactly. What a factor of T^T K T leaves there is rounding of the body that T
 /// joins it with, however small. `k` has to hold all bodies. False: there is nothing at rest.
 bool put_at_rest(const SparseMatrix& k, const Contact& contact, const Vector& rhs, const Vector& xi,
+                 Vector& d);
+/// The same by the pieces of K.
+void put_at_rest(const Pieces& pieces, const Contact& contact, const Vector& rhs, const Vector& xi,
                  Vector& d);
 
 /// What laws read is read in these fields and multipliers of the time t: `prepare` makes their

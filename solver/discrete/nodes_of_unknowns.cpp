@@ -44,8 +44,8 @@ void add_motions(const Space& space, const SpaceBlock& block, const StateLayout&
 
 } // namespace
 
-std::shared_ptr<const UnknownsOfNodes> nodes_of_unknowns(const Discretisation& d,
-                                                         const StateLayout& layout) {
+std::shared_ptr<UnknownsOfNodes> nodes_of_unknowns(const Discretisation& d,
+                                                   const StateLayout& layout) {
   auto out = std::make_shared<UnknownsOfNodes>();
   const int components = d.space.components;
   out->components = components;

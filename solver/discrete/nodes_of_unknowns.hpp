@@ -10,7 +10,7 @@
 namespace hvi::solver {
 
 /// Nodes, components and rigid motions of the unknowns.
-std::shared_ptr<const UnknownsOfNodes> nodes_of_unknowns(const Discretisation& discretisation,
-                                                         const StateLayout& layout);
+std::shared_ptr<UnknownsOfNodes> nodes_of_unknowns(const Discretisation& discretisation,
+                                                   const StateLayout& layout);
 
 } // namespace hvi::solver

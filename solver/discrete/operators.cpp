@@ -5,8 +5,8 @@
 #include "solver/common/parallel.hpp"
 #include "solver/discrete/body_states.hpp"
 #include "solver/discrete/contact_states.hpp"
+#include "solver/discrete/distinct_forms.hpp"
 #include "solver/discrete/inertia.hpp"
-#include "solver/discrete/proportional.hpp"
 #include "solver/discrete/shared_work.hpp"
 #include "solver/linear/dense.hpp"
 #include "solver/linear/mirror_pairs.hpp"
@@ -15,68 +15,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <span>
 #include <utility>
 
 namespace hvi::solver {
 namespace {
-
-/// Distinct matrices and, per field, their coefficients.
-struct Distinct {
-  std::vector<const FormTerm*> terms;
-  std::vector<Vector> weights; ///< per distinct term, one entry per field
-};
-
-/// Of the forms that `chosen` chooses.
-template <class F>
-Distinct distinct_terms(const Problem& problem, int n_fields, F chosen) {
-  Distinct out;
-  for (const auto& term : problem.forms) {
-    if (!chosen(term)) continue;
-    std::size_t known = 0;
-    double ratio = 1.0;
-    for (; known < out.terms.size(); ++known)
-      if (const auto r = symbolic_ratio(term, *out.terms[known])) {
-        ratio = *r;
-        break;
-      }
-    if (known == out.terms.size()) {
-      out.terms.push_back(&term);
-      out.weights.push_back(Vector::Zero(n_fields));
-    }
-    out.weights[known][term.field] += ratio;
-  }
-  return out;
-}
-
-/// A matrix that is a multiple of an earlier one hands its weights over and goes.
-void merge_equal_values(std::vector<SparseMatrix>& matrices, std::vector<Vector>& weights) {
-  for (std::size_t j = 1; j < matrices.size(); ++j)
-    for (std::size_t i = 0; i < j; ++i) {
-      const auto ratio = numeric_ratio(matrices[j], matrices[i]);
-      if (!ratio) continue;
-      weights[i] += *ratio * weights[j];
-      matrices.erase(matrices.begin() + j);
-      weights.erase(weights.begin() + j);
-      --j;
-      break;
-    }
-}
-
-/// T_i and T_j that enter every field in one ratio become T_i + ratio T_j.
-void merge_equal_weights(std::vector<SparseMatrix>& matrices, std::vector<Vector>& weights) {
-  for (std::size_t j = 1; j < matrices.size(); ++j)
-    for (std::size_t i = 0; i < j; ++i) {
-      const auto ratio = column_ratio(weights[j], weights[i]);
-      if (!ratio) continue;
-      matrices[i] = SparseMatrix(matrices[i] + *ratio * matrices[j]);
-      matrices.erase(matrices.begin() + j);
-      weights.erase(weights.begin() + j);
-      --j;
-      break;
-    }
-}
 
 /// Terms in groups that are assembled in one pass: those on the same cells; each other one alone.
 std::vector<std::vector<int>> in_passes(const Discretisation& discretisation,
@@ -96,9 +39,11 @@ std::vector<std::vector<int>> in_passes(const Discretisation& discretisation,
   return passes;
 }
 
-std::vector<SparseMatrix> assemble_distinct(const Discretisation& discretisation,
-                                            const StateLayout& layout,
-                                            std::span<const FormTerm* const> terms, int threads) {
+} // namespace
+
+std::vector<SparseMatrix> assemble_terms(const Discretisation& discretisation,
+                                         const StateLayout& layout,
+                                         std::span<const FormTerm* const> terms, int threads) {
   std::vector<SparseMatrix> matrices(terms.size());
   // Rows of periodic parts are added up afterwards.
   const bool linked = !layout.links.empty();
@@ -132,47 +77,13 @@ std::vector<SparseMatrix> assemble_distinct(const Discretisation& discretisation
   return matrices;
 }
 
-bool is_constant(const FormTerm& term) {
-  return std::all_of(term.entries.begin(), term.entries.end(),
-                     [](const auto& entry) { return entry.coefficient.is_constant(); });
-}
-
-/// What its kind says of the tensor of a form, where it was written with one.
-bool is_of_kind(const Problem& problem, const FormTerm& term, auto says) {
-  return term.tensor && says(problem.tensors[static_cast<std::size_t>(term.tensor->index)].kind);
-}
-
-/// Constant coefficients C that stay when test and trial function change places: whatever the mesh,
-/// the matrix is symmetric.
-bool is_mirrored(const Problem& problem, const FormTerm& term) {
-  if (!is_constant(term)) return false;
-  if (is_of_kind(problem, term, [](auto kind) { return kind == TensorSpec::Kind::isotropic; }))
-    return true; // other materials in axes of their own: to rounding only
-  std::map<std::pair<int, int>, double> c;
-  for (const auto& entry : term.entries) c[{entry.test, entry.trial}] += entry.coefficient.value();
-  return std::all_of(c.begin(), c.end(), [&](const auto& one) {
-    const auto mirror = c.find({one.first.second, one.first.first});
-    return mirror != c.end() ? mirror->second == one.second : one.second == 0.0;
-  });
-}
-
-/// The same of coefficients that change.
-bool stays_mirrored(const FormTerm& term) {
-  std::map<std::pair<int, int>, Expr> c;
-  for (const auto& entry : term.entries) {
-    const auto [at, fresh] = c.try_emplace({entry.test, entry.trial}, entry.coefficient);
-    if (!fresh) at->second = at->second + entry.coefficient;
-  }
-  return std::all_of(c.begin(), c.end(), [&](const auto& one) {
-    const auto mirror = c.find({one.first.second, one.first.first});
-    return mirror != c.end() ? mirror->second == one.second : one.second.is(0.0);
-  });
-}
+namespace {
 
 /// Appends the forms that read states, each kind with a base matrix of its own.
 void add_changing(const Problem& problem, const Discretisation& discretisation,
                   const StateLayout& layout, int threads, Operators& operators) {
-  const auto distinct = distinct_terms(problem, operators.n_fields(), reads_states);
+  const auto distinct = distinct_terms(problem, operators.n_fields(),
+                                       [](const FormTerm& term) { return reads_states(term); });
   if (distinct.terms.empty()) return;
   check_initial_states(problem, discretisation);
   std::vector<FormTerm> initial(distinct.terms.size());
@@ -181,7 +92,7 @@ void add_changing(const Problem& problem, const Discretisation& discretisation,
     initial[i] = at_initial_states(problem, *distinct.terms[i]);
     terms[i] = &initial[i];
   }
-  auto matrices = assemble_distinct(discretisation, layout, terms, threads);
+  auto matrices = assemble_terms(discretisation, layout, terms, threads);
   const auto before = operators.weights.cols();
   operators.weights.conservativeResize(Eigen::NoChange,
                                        before + static_cast<Eigen::Index>(terms.size()));
@@ -190,7 +101,7 @@ void add_changing(const Problem& problem, const Discretisation& discretisation,
     operators.changing.emplace_back(operators.n_bases(), distinct.terms[i]);
     operators.bases.push_back(std::move(matrices[i]));
     const bool mirrored = stays_mirrored(*distinct.terms[i]);
-    const bool symmetric = is_of_kind(problem, *distinct.terms[i], has_major_symmetry);
+    const bool symmetric = has_symmetric_tensor(problem, *distinct.terms[i]);
     operators.symmetric = operators.symmetric && (mirrored || symmetric);
     operators.mirrored = operators.mirrored && mirrored;
   }
@@ -249,7 +160,7 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
   auto distinct = distinct_terms(problem, n_fields, [&](const FormTerm& term) {
     return (plain_inertia || term.field != field_of_u(2)) && !reads_states(term);
   });
-  auto matrices = assemble_distinct(discretisation, layout, distinct.terms, threads);
+  auto matrices = assemble_terms(discretisation, layout, distinct.terms, threads);
   if (!plain_inertia) {
     matrices.push_back(restrict_rows(inertia_matrix(problem, discretisation), layout));
     distinct.weights.push_back(Vector::Unit(n_fields, field_of_u(2)));
@@ -268,7 +179,7 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
       });
   const bool symmetric =
       plain_inertia && std::ranges::all_of(distinct.terms, [&](const FormTerm* term) {
-        return is_of_kind(problem, *term, has_major_symmetry) || is_mirrored(problem, *term);
+        return has_symmetric_tensor(problem, *term) || is_mirrored(problem, *term);
       });
   out.weights.resize(n_fields, static_cast<Eigen::Index>(matrices.size()));
   for (std::size_t b = 0; b < matrices.size(); ++b) {

@@ -14,10 +14,13 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 namespace hvi::solver {
+
+class DealtMatrices;
 
 struct Operators {
   std::vector<SparseMatrix> bases; ///< unknowns x state
@@ -36,6 +39,9 @@ struct Operators {
   /// If set, the number of contact unknowns, which come first: they are coupled with no others, and
   /// the others with none.
   std::optional<int> separate;
+  /// Set: several processes have the rows of the base matrices, and `bases` has empty ones in their
+  /// places.
+  std::shared_ptr<DealtMatrices> dealt;
   SharedWork* shared = nullptr; ///< of the discretisation; factors may be had from there
   ChosenSolver chosen;
   /// Set: systems are solved by iterations on all unknowns, which are these.
@@ -57,6 +63,11 @@ struct Operators {
 /// ratio (the same material law on two parts) are added up. `threads`: so many terms at a time.
 Operators assemble_operators(const Problem& problem, const Discretisation& discretisation,
                              const StateLayout& layout, int threads);
+
+/// Of each term its matrix: rows for the layout's unknowns, columns for its states.
+std::vector<SparseMatrix> assemble_terms(const Discretisation& discretisation,
+                                         const StateLayout& layout,
+                                         std::span<const FormTerm* const> terms, int threads);
 
 /// Symmetric to 1e-12 of its largest entry, the rounding of an assembly.
 bool symmetric_to_rounding(const SparseMatrix& matrix);

@@ -83,6 +83,20 @@ void add_rounding(const SymmetricBlocks& a, const Vector& v, double unit, Roundi
   });
 }
 
+void rounding_of_rows(const OwnRows& rows, int matrix, std::span<const double> v,
+                      std::span<const double> sizes, double unit, std::span<double> out) {
+  const auto n = static_cast<std::size_t>(rows.rows());
+  std::ranges::fill(out, 0.0);
+  rows.for_entries(matrix, [&](int i, int j, double a_ij) {
+    if (!(std::abs(a_ij) > 0.0)) return;
+    const double other = sizes[j] > 0.0 ? sizes[j] : sizes[i]; // imposed: no row
+    const auto [s_ij, draws] = rounded(a_ij, sizes[i] * other, unit);
+    const double term = unit * of_draws * s_ij * v[j];
+    for (std::size_t s = 0; s < n_samples; ++s) out[s * n + i] += draws[s] * term;
+    out[n_samples * n + i] += std::abs(a_ij * v[j]);
+  });
+}
+
 Vector growth_probe(const SparseMatrix& k) {
   Vector b(k.rows());
   for (int i = 0; i < k.rows(); ++i) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/linear/factorisation.hpp"
+#include "solver/linear/own_rows.hpp"
 #include "solver/linear/symmetric_blocks.hpp"
 
 #include <array>
@@ -44,6 +45,11 @@ void add_rounding(const SparseMatrix& a, const Vector& v, double unit, RoundingF
                   Vector& size);
 void add_rounding(const SymmetricBlocks& a, const Vector& v, double unit, RoundingForces& forces,
                   Vector& size);
+
+/// The same of rows of one process (own_rows.hpp): the forces of each sample and the sizes, rows()
+/// each, in `out`. v and `sizes`, the roots of |A_jj|, by column; 0: the column has no row.
+void rounding_of_rows(const OwnRows& rows, int matrix, std::span<const double> v,
+                      std::span<const double> sizes, double unit, std::span<double> out);
 
 /// About eps times the condition number of K in the 2-norm, by one or two triangular solves: with
 /// b_i = +- sum_j |K_ij| of random signs, eps b^T K^-1 b / rms(b), or max_i |eps K^-1 b|_i times

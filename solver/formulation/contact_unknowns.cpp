@@ -170,4 +170,13 @@ bool put_at_rest(const SparseMatrix& k, const Contact& contact, const Vector& rh
   return true;
 }
 
+void put_at_rest(const Pieces& pieces, const Contact& contact, const Vector& rhs, const Vector& xi,
+                 Vector& d) {
+  Vector acting = rhs.cwiseAbs();
+  for (const int i : contact.loaded)
+    for (SparseMatrix::InnerIterator it(contact.force, i); it; ++it)
+      acting[i] += std::abs(it.value() * xi[it.col()]);
+  pieces.leave_at_rest(acting, d);
+}
+
 } // namespace hvi::solver

@@ -65,6 +65,7 @@ void FactoredMatrix::factor(const Vector& gamma) {
   if (gamma.size() != operators_.n_bases())
     throw std::invalid_argument("a coefficient for each base matrix is needed");
   gamma_ = gamma;
+  if (operators_.dealt) return factor_dealt();
   SparseMatrix k = combine(operators_, gamma);
   set_matrix(k);
   half_ = {};
@@ -80,6 +81,20 @@ void FactoredMatrix::factor(const Vector& gamma) {
   auto* const shared = factorisation_ ? nullptr : operators_.shared;
   factorisation_ =
       make_factor(operators_, contact_, matrix, shared, std::exchange(like_, nullptr), entries_);
+}
+
+void FactoredMatrix::factor_dealt() {
+  if (dealt_ == nullptr) {
+    auto made = std::make_unique<DealtMatrix>(*operators_.dealt);
+    dealt_ = made.get();
+    rows_ = std::move(made);
+  }
+  dealt_->combine(gamma_);
+  if (iterations_)
+    iterations_->matrix_changed();
+  else
+    iterations_ =
+        petsc_solver(dealt_->rows(), dealt_->pieces(), symmetric(), *operators_.iterative);
 }
 
 /// Iterations know the matrix by where its entries are.
@@ -108,6 +123,7 @@ void FactoredMatrix::prepare_iterations() {
     iterations_->matrix_changed();
   else
     iterations_ = petsc_solver(free_ ? held_ : k_, symmetric(), *operators_.iterative);
+  rows_ = std::make_unique<HeldRows>(free_ ? held_ : k_, contact_.of_unknown);
   if (free_) iterations_->set_free_motions(free_->on_unknowns);
   if (!contact_.none()) return;
   factorisation_ = own(iterative_factorisation(*iterations_, operators_.n_unknowns));
@@ -117,8 +133,8 @@ void FactoredMatrix::prepare_iterations() {
 std::unique_ptr<ReducedOperator> FactoredMatrix::reduced_operator() const {
   const bool symmetric = this->symmetric() && !contact_.mixed;
   if (iterations_)
-    return std::make_unique<IterativeOperator>(free_ ? held_ : k_, symmetric, *iterations_,
-                                               contact_.of_unknown);
+    return std::make_unique<IterativeOperator>(*rows_, symmetric, *iterations_,
+                                               !contact_.of_unknown.empty());
   if (contact_.whole) return sparse_operator(free_ ? held() : k_, symmetric);
   return dense_operator(factorisation_->schur(), symmetric);
 }

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "solver/discrete/contact.hpp"
+#include "solver/discrete/dealt_matrices.hpp"
 #include "solver/discrete/held_by_laws.hpp"
 #include "solver/discrete/operators.hpp"
 #include "solver/discrete/shared_work.hpp"
 #include "solver/inequality/inequality.hpp"
+#include "solver/linear/matrix_rows.hpp"
 #include "solver/linear/symmetric_blocks.hpp"
 
 namespace hvi::solver {
@@ -48,6 +50,8 @@ public:
 
   const Vector& gamma() const { return gamma_; }
   const SparseMatrix& k() const { return k_; }
+  /// K where several processes have its rows; null: `k` has them.
+  const DealtMatrix* dealt() const { return dealt_; }
   /// Absent where all unknowns are contact unknowns, so that nothing is condensed.
   const SharedFactor& factorisation() const { return factorisation_; }
   /// Is the factor one of singles? Then corrections leave a hundredth of an error, at most.
@@ -58,6 +62,7 @@ public:
   double bytes() const; ///< held besides the factorisation
 
 private:
+  void factor_dealt();
   bool symmetric() const;
   void set_matrix(SparseMatrix& k);
   void prepare_iterations();
@@ -75,6 +80,8 @@ private:
   SparseMatrix k_, held_; ///< the second one for iterations, where motions are free
   SymmetricBlocks half_;
   SharedFactor factorisation_;
+  std::unique_ptr<MatrixRows> rows_;            ///< of k_ or held_, or dealt out, for iterations
+  DealtMatrix* dealt_ = nullptr;                ///< the same, dealt out; null: k_ has all rows
   std::unique_ptr<IterativeSolver> iterations_; ///< instead of a factor; reads k_ or held_
 };
 

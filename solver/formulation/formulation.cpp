@@ -1,6 +1,7 @@
 // The two formulations of a problem; see formulation.hpp. Made by the Stepper.
 #include "solver/formulation/formulation.hpp"
 
+#include "solver/discrete/dealt_operators.hpp"
 #include "solver/discrete/nodes_of_unknowns.hpp"
 #include "solver/discrete/rounding.hpp"
 #include "solver/formulation/field_recovery.hpp"
@@ -9,6 +10,7 @@
 #include "solver/formulation/pair_unknowns.hpp"
 #include "solver/formulation/reduce.hpp"
 #include "solver/formulation/solver_choice.hpp"
+#include "solver/linear/processes.hpp"
 
 namespace hvi::solver {
 namespace {
@@ -27,7 +29,9 @@ public:
   void add_rounding_of_base(int b, const Vector& values, double unit, RoundingForces& forces,
                             Vector& size) const override {
     const auto at = static_cast<std::size_t>(b);
-    if (operators().halves.empty())
+    if (operators().dealt)
+      operators().dealt->add_rounding(b, values, unit, forces, size);
+    else if (operators().halves.empty())
       add_rounding(operators().bases[at], values, unit, forces, size);
     else
       add_rounding(operators().halves[at], values, unit, forces, size);
@@ -90,22 +94,30 @@ private:
   InteriorEquilibrium equilibrium_;
 };
 
+/// By all processes, where there are several for iterations that were asked for.
+Operators operators_of(const Plan& plan, const Discretisation& d, const StateLayout& layout) {
+  if (plan.options.solver == LinearSolver::iterative && may_be_dealt(plan.problem, d, layout))
+    if (const int processes = processes_led(); processes > 1)
+      return deal_operators(plan.problem, d, layout, processes);
+  return assemble_operators(plan.problem, d, layout, plan.options.threads);
+}
+
 DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
   const StateLayout layout = make_layout(d.space, d.dofs);
   LoadAssembler loads = loads_on(plan.problem, d, layout);
   Vector initial = initial_state(plan.problem, d, layout);
-  Operators operators = assemble_operators(plan.problem, d, layout, plan.options.threads);
+  Operators operators = operators_of(plan, d, layout);
   const bool asked = plan.options.solver == LinearSolver::iterative;
   Contact contact = make_contact(plan.problem, d, layout, asked);
   operators.chosen = choose_solver(plan, d, layout, operators, contact);
   if (operators.chosen.solver == LinearSolver::iterative) {
-    operators.iterative = nodes_of_unknowns(d, layout);
+    if (!operators.iterative) operators.iterative = nodes_of_unknowns(d, layout);
     if (!asked) contact = make_contact(plan.problem, d, layout, true);
   }
   ChangingForms changing(plan.problem, d, contact, operators);
   changing.take(contact, layout, operators);
   StateLoads state_loads(plan.problem, d, contact, &layout);
-  if (operators.iterative) keep_halves(operators, plan.options.threads);
+  if (operators.iterative && !operators.dealt) keep_halves(operators, plan.options.threads);
   return {layout,
           std::move(operators),
           std::move(contact),

@@ -2,8 +2,10 @@
 #include "solver/formulation/halved_bases.hpp"
 
 #include "solver/common/parallel.hpp"
+#include "solver/discrete/dealt_matrices.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hvi::solver {
 
@@ -33,8 +35,29 @@ const SparseMatrix& base_by_rows(const Operators& operators, int b, SparseMatrix
   return room;
 }
 
+void add_magnitude_of_base(const Operators& operators, int b, double factor, const Vector& x,
+                           Vector& y) {
+  if (operators.dealt) {
+    DealtMatrices::Products of;
+    operators.dealt->products(b, x, of);
+    y += factor * of.magnitude;
+    return;
+  }
+  SparseMatrix room;
+  const SparseMatrix& base = base_by_rows(operators, b, room);
+  for (int i = 0; i < base.rows(); ++i)
+    for (SparseMatrix::InnerIterator it(base, i); it; ++it)
+      y[i] += factor * std::abs(it.value() * x[it.col()]);
+}
+
 void product_of_base(const Operators& operators, int b, const Vector& x, Vector& y) {
   const auto at = static_cast<std::size_t>(b);
+  if (operators.dealt) {
+    DealtMatrices::Products of;
+    operators.dealt->products(b, x, of);
+    y.swap(of.product);
+    return;
+  }
   if (operators.halves.empty()) {
     y.noalias() = operators.bases[at] * x;
     return;
@@ -46,6 +69,12 @@ void product_of_base(const Operators& operators, int b, const Vector& x, Vector&
 void add_product_of_base(const Operators& operators, int b, double factor, const Vector& x,
                          Vector& y) {
   const auto at = static_cast<std::size_t>(b);
+  if (operators.dealt) {
+    Vector of;
+    product_of_base(operators, b, x, of);
+    y += factor * of;
+    return;
+  }
   if (operators.halves.empty())
     y.noalias() += factor * (operators.bases[at] * x);
   else

@@ -12,9 +12,12 @@ std::vector<SymmetricBlocks> halved(const Operators& operators, int threads);
 /// empty.
 void keep_halves(Operators& operators, int threads);
 
-/// T_b by rows: as it is kept, or made of its half in `room`.
+/// T_b by rows: as it is kept, or made of its half in `room`. Not where rows are dealt out.
 const SparseMatrix& base_by_rows(const Operators& operators, int b, SparseMatrix& room);
 
+/// y += factor |T_b| |x|
+void add_magnitude_of_base(const Operators& operators, int b, double factor, const Vector& x,
+                           Vector& y);
 /// y = T_b x
 void product_of_base(const Operators& operators, int b, const Vector& x, Vector& y);
 /// y += factor T_b x

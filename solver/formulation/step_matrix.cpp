@@ -11,8 +11,11 @@ void StepMatrix::factor(const Vector& gamma) {
   solver_.reset();
   FactoredMatrix::factor(gamma);
   contact_diagonal_.resize(static_cast<Eigen::Index>(contact_.loaded.size()));
-  for (Eigen::Index i = 0; i < contact_diagonal_.size(); ++i)
-    contact_diagonal_[i] = k().coeff(contact_.loaded[i], contact_.loaded[i]);
+  const Vector diagonal = dealt() != nullptr ? dealt()->diagonal() : Vector();
+  for (Eigen::Index c = 0; c < contact_diagonal_.size(); ++c) {
+    const int i = contact_.loaded[static_cast<std::size_t>(c)];
+    contact_diagonal_[c] = dealt() != nullptr ? diagonal[i] : k().coeff(i, i);
+  }
   if (contact_.none()) return;
   reduced_ = reduced_operator();
   solver_ = std::make_unique<InequalitySolver>(contact_.problem, *reduced_, options_, law_factors_);

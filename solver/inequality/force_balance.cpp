@@ -77,7 +77,7 @@ void for_rows(const SparseMatrix& a, const Vector& x, const Row& row) {
 }
 
 Pieces pieces_of(const ReducedOperator& s) {
-  if (const auto* all_rows = s.iterative()) return Pieces(all_rows->matrix());
+  if (const auto* all_rows = s.iterative()) return all_rows->matrix().pieces();
   return Pieces(s.size(), [&](int j, Vector& entries) { s.column(j, entries.data()); });
 }
 
@@ -103,9 +103,11 @@ Vector ForceBalance::beyond(double ratio, double seen, const Vector& residual, c
                             const Vector& xi) const {
   const Vector size = sizes(c);
   const double largest = largest_multiplier(xi);
+  const auto whole_size = all_rows_->matrix().whole_sizes(c);
   const auto holds = [&](Eigen::Index i) {
     const double error = std::abs(residual[i]);
-    return error <= ratio * size[i] || error <= ratio * (size[i] + turned_size(i, c, largest));
+    return error <= ratio * size[i] ||
+           error <= ratio * (size[i] + turned_size(i, whole_size, largest));
   };
   for (Eigen::Index i = 0; i < residual.size(); ++i)
     if (std::abs(residual[i]) > seen && !holds(i)) return {};
@@ -130,12 +132,13 @@ double ForceBalance::worst_ratio(const Errors& of, const Vector& c, const Vector
 
 /// A part of what row i has in axes that are turned, as the certificate of a step has it
 /// (solver/discrete/certificate.cpp).
-double ForceBalance::turned_size(Eigen::Index i, const Vector& c, double largest_xi) const {
+double ForceBalance::turned_size(Eigen::Index i, const std::function<double(int)>& whole_size,
+                                 double largest_xi) const {
   constexpr double least_part = 0.01;
   double weight = 0.0;
   for (SparseMatrix::InnerIterator it(points_.force_of, i); it; ++it)
     weight += std::abs(it.value());
-  return least_part * (all_rows_->whole_scale(static_cast<int>(i), c) + weight * largest_xi);
+  return least_part * (whole_size(static_cast<int>(i)) + weight * largest_xi);
 }
 
 /// Of several unknowns each has multipliers of its own, which are in the rows' sizes.
@@ -146,11 +149,12 @@ double ForceBalance::largest_multiplier(const Vector& xi) const {
 /// Each row against its own size.
 double ForceBalance::worst_of_all_rows(const Errors& of, const Vector& c, const Vector& xi) const {
   const double largest_xi = largest_multiplier(xi);
+  const auto whole_size = all_rows_->matrix().whole_sizes(c);
   double worst = 0.0;
   for (Eigen::Index i = 0; i < of.left.size(); ++i) {
     const double error = std::abs(of.left[i]);
     if (error <= worst * of.size[i]) continue;
-    const double size = of.size[i] + turned_size(i, c, largest_xi);
+    const double size = of.size[i] + turned_size(i, whole_size, largest_xi);
     if (error <= worst * size) continue;
     worst = error / size;
     if (std::isnan(worst)) return std::numeric_limits<double>::infinity();

@@ -4,6 +4,7 @@
 #include "solver/inequality/points.hpp"
 #include "solver/linear/pieces.hpp"
 
+#include <functional>
 #include <memory>
 
 namespace hvi::solver {
@@ -67,7 +68,8 @@ public:
 private:
   bool sums_cancel() const;
   Vector sizes(const Vector& c) const;
-  double turned_size(Eigen::Index i, const Vector& c, double largest_xi) const;
+  double turned_size(Eigen::Index i, const std::function<double(int)>& whole_size,
+                     double largest_xi) const;
   double largest_multiplier(const Vector& xi) const;
   double worst_ratio(const Errors& of, const Vector& c, const Vector& xi) const;
   double worst_of_all_rows(const Errors& of, const Vector& c, const Vector& xi) const;

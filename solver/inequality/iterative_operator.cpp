@@ -4,33 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 
 namespace hvi::solver {
 
-void IterativeOperator::apply_magnitude(const Vector& c, Vector& out) const {
-  out.setZero(size());
-  for (int i = 0; i < size(); ++i)
-    for (SparseMatrix::InnerIterator it(k_, i); it; ++it)
-      out[i] += std::abs(it.value() * c[it.col()]);
-}
-
-double IterativeOperator::whole_scale(int i, const Vector& c) const {
-  double own = 0.0, largest = 0.0;
-  for (SparseMatrix::InnerIterator it(k_, i); it; ++it) {
-    if (several_unknowns() && of_unknown_[it.col()] != of_unknown_[i]) continue;
-    if (it.col() == i) own = std::abs(it.value());
-    largest = std::max(largest, std::abs(c[it.col()]));
-  }
-  return own * largest;
-}
-
-/// Preconditioners ask for it, which symmetric matrices alone have: row j is column j.
+/// A product each: who asks for many prepares for dense factors, of which there are none.
 void IterativeOperator::column(int j, double* out) const {
-  std::fill_n(out, size(), 0.0);
-  for (SparseMatrix::InnerIterator it(k_, j); it; ++it) out[it.col()] = it.value();
+  Vector of;
+  k_.apply(Vector::Unit(size(), j), of);
+  std::copy(of.begin(), of.end(), out);
 }
 
 /// Others may use the solver with laws of their own meanwhile.

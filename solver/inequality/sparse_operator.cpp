@@ -1,6 +1,6 @@
 // The sparse operator of the reduced inequality, by Eigen and UMFPACK (inequality.hpp).
 #include "solver/inequality/inequality.hpp"
-#include "solver/inequality/own_stiffness.hpp"
+#include "solver/linear/own_stiffness.hpp"
 #include "solver/linear/sparse_lu.hpp"
 
 #include <Eigen/SparseCholesky>

@@ -108,7 +108,7 @@ private:
     const auto count = std::min<std::ptrdiff_t>(block_columns, std::ssize(order));
     std::partial_sort(order.begin(), order.begin() + count, order.end(),
                       [&](int a, int b) { return h[a] > h[b]; });
-    order.resize(static_cast<std::size_t>(count));
+    order.erase(order.begin() + count, order.end());
     return order;
   }
 

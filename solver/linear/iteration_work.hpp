@@ -13,6 +13,7 @@ struct MultigridLevel {
 
 struct IterationWork {
   int iterations = 0;
+  int assembling = 1;           ///< processes that assemble, each on its own cells
   double bytes_of_others = 0.0; ///< the most that another process of the run has held
   /// What iterations sent to other processes, by the process that sent most.
   double messages = 0.0, bytes_sent = 0.0, reductions = 0.0;
@@ -20,6 +21,7 @@ struct IterationWork {
 
   void add(const IterationWork& other) {
     iterations += other.iterations;
+    assembling = std::max(assembling, other.assembling);
     bytes_of_others = std::max(bytes_of_others, other.bytes_of_others);
     messages += other.messages, bytes_sent += other.bytes_sent, reductions += other.reductions;
     const auto size = [](const IterationWork& of) {

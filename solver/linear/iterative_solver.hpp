@@ -3,9 +3,12 @@
 #pragma once
 
 #include "solver/linear/iteration_work.hpp"
+#include "solver/linear/own_rows.hpp"
+#include "solver/linear/pieces.hpp"
 #include "solver/linear/sparse.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,6 +25,10 @@ struct UnknownsOfNodes {
   /// A column each, of one unknown: motions that cost no energy but where values are imposed
   /// (translations and turns, constants). Multigrid has to keep them on every level.
   DenseMatrix motions;
+  /// Where the rows of K are dealt out already: of each node its place in the order of the
+  /// processes, and how many each of them has. Empty: the solver deals them out.
+  std::vector<std::int32_t> place;
+  std::vector<int> counts;
   bool several() const { return first_component.size() > 1; }
 };
 
@@ -63,12 +70,24 @@ public:
   virtual const IterativeStatistics& statistics() const = 0;
 };
 
+/// Rows of K that each process has for itself (own_rows.hpp).
+struct DealtRows {
+  std::uint64_t set = 0;
+  int matrix = 0;
+  std::function<RowArrays()> place; ///< as they are now in all processes; those of the first one
+  std::function<void()> leave;      ///< they were read
+};
+
 /// Can the module libhvi_petsc be loaded? It is, then.
 bool petsc_is_there();
 
 /// Of PETSc, from the module libhvi_petsc, which is opened now. `k` is kept by reference: its
 /// arrays stay where they are. Throws Failure(missing_file) where the module cannot be loaded.
 std::unique_ptr<IterativeSolver> petsc_solver(const SparseMatrix& k, bool symmetric,
+                                              const UnknownsOfNodes& unknowns);
+/// The same where each process has its rows of K; `pieces`: of all of it. They are placed, read and
+/// left now and in each call of matrix_changed.
+std::unique_ptr<IterativeSolver> petsc_solver(DealtRows k, Pieces pieces, bool symmetric,
                                               const UnknownsOfNodes& unknowns);
 
 } // namespace hvi::solver

@@ -1,5 +1,5 @@
 // See own_stiffness.hpp.
-#include "solver/inequality/own_stiffness.hpp"
+#include "solver/linear/own_stiffness.hpp"
 
 #include <cmath>
 

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <optional>
 #include <utility>
 
 namespace hvi::solver {
@@ -65,45 +66,49 @@ void require_others(int status, const std::string& message) {
                 "the other processes cannot be reached: " + words_of(message), "take one process");
 }
 
-/// What another process does besides iterations.
-struct Helper {
-  Task task;
+HviPetscMatrix rows_of(const RowArrays& a) { return {a.rows, a.start, a.column, a.value}; }
+
+/// A helper as the module calls it.
+struct HelperBridge {
+  Helper& helper;
   std::string said;
 
-  static HviPetscBytes answer(void* context, HviPetscBytes message) {
-    Helper& helper = *static_cast<Helper*>(context);
+  static HviPetscBytes answer(void* context, int errand, HviPetscBytes message) {
+    HelperBridge& bridge = *static_cast<HelperBridge*>(context);
     try {
-      helper.said = helper.task({message.bytes, message.size});
-      return {helper.said.data(), helper.said.size()};
+      bridge.said =
+          bridge.helper.answer(static_cast<Errand>(errand), {message.bytes, message.size});
+      return {bridge.said.data(), bridge.said.size()};
     } catch (const std::bad_alloc&) {
       return {nullptr, 0};
     }
+  }
+  static HviPetscMatrix rows(void* context, unsigned long long set, int matrix) {
+    return rows_of(static_cast<HelperBridge*>(context)->helper.rows(set, matrix));
   }
 };
 
 class PetscSolver final : public IterativeSolver {
 public:
   PetscSolver(const SparseMatrix& k, bool symmetric, const UnknownsOfNodes& unknowns) : pieces_(k) {
-    const HviPetscMatrix matrix = rows_of(k);
-    const HviPetscUnknowns of{unknowns.node.data(),
-                              unknowns.component.data(),
-                              unknowns.nodes,
-                              unknowns.components,
-                              unknowns.first_component.data(),
-                              static_cast<int>(unknowns.first_component.size()),
-                              unknowns.motions.data(),
-                              static_cast<int>(unknowns.motions.cols())};
-    const int status =
-        bridge_.open(&matrix, symmetric, &of, &solver_, message_.data(), message_.size());
-    require(status, message_);
-    count();
+    open(rows_of(k), nullptr, symmetric, unknowns);
+  }
+  PetscSolver(DealtRows k, Pieces pieces, bool symmetric, const UnknownsOfNodes& unknowns)
+      : pieces_(std::move(pieces)), dealt_(std::move(k)) {
+    const HviPetscDealt dealt{dealt_->set, dealt_->matrix, rows_of(dealt_->place())};
+    open({static_cast<int>(unknowns.node.size()), nullptr, nullptr, nullptr}, &dealt, symmetric,
+         unknowns);
+    dealt_->leave();
   }
   ~PetscSolver() override { bridge_.close(solver_); }
   PetscSolver(const PetscSolver&) = delete;
   PetscSolver& operator=(const PetscSolver&) = delete;
 
   void matrix_changed() override {
-    require(bridge_.changed(solver_, message_.data(), message_.size()), message_);
+    const HviPetscMatrix mine = dealt_ ? rows_of(dealt_->place()) : HviPetscMatrix{};
+    require(bridge_.changed(solver_, dealt_ ? &mine : nullptr, message_.data(), message_.size()),
+            message_);
+    if (dealt_) dealt_->leave();
   }
 
   void set_free_motions(const DenseMatrix& motions) override {
@@ -144,6 +149,23 @@ public:
   const IterativeStatistics& statistics() const override { return statistics_; }
 
 private:
+  void open(const HviPetscMatrix& k, const HviPetscDealt* dealt, bool symmetric,
+            const UnknownsOfNodes& unknowns) {
+    const bool placed = !unknowns.place.empty();
+    const HviPetscUnknowns of{unknowns.node.data(),
+                              unknowns.component.data(),
+                              unknowns.nodes,
+                              unknowns.components,
+                              unknowns.first_component.data(),
+                              static_cast<int>(unknowns.first_component.size()),
+                              unknowns.motions.data(),
+                              static_cast<int>(unknowns.motions.cols()),
+                              placed ? unknowns.place.data() : nullptr,
+                              placed ? unknowns.counts.data() : nullptr};
+    require(bridge_.open(&k, dealt, symmetric, &of, &solver_, message_.data(), message_.size()),
+            message_);
+    count();
+  }
   void count() {
     HviPetscCounts counts{};
     bridge_.count(solver_, &counts);
@@ -161,6 +183,7 @@ private:
   Bridge bridge_;
   HviPetscSolver* solver_ = nullptr;
   Pieces pieces_;
+  std::optional<DealtRows> dealt_;
   const SparseMatrix* laws_ = nullptr;
   std::string message_ = room_for_message();
   IterativeStatistics statistics_;
@@ -189,38 +212,56 @@ void lead(const Processes& processes) {
                   "start hvi-run by the mpirun of the MPI that PETSc is built with");
 }
 
+int processes_led() {
+  if (!started_processes().several()) return 1;
+  try {
+    return module_function<HviPetscProcesses>(petsc_module, "hvi_petsc_processes")();
+  } catch (const Failure&) {
+    return 1;
+  }
+}
+
 int dismiss(int exit_code) {
   return module_function<HviPetscDismiss>(petsc_module, "hvi_petsc_dismiss")(exit_code);
 }
 
-int serve(const Processes& processes, Task task) {
+int serve(const Processes& processes, Helper& helper) {
   try {
-    Helper helper{std::move(task), {}};
-    return module_function<HviPetscServe>(petsc_module, "hvi_petsc_serve")(
-        processes.count, &Helper::answer, &helper);
+    HelperBridge bridge{helper, {}};
+    const HviPetscHelper called{&bridge, &HelperBridge::answer, &HelperBridge::rows};
+    return module_function<HviPetscServe>(petsc_module, "hvi_petsc_serve")(processes.count,
+                                                                           &called);
   } catch (const Failure&) {
     return 0;
   }
 }
 
-std::vector<std::string> deal_out(std::span<const std::string> messages, const Task& task) {
+std::vector<std::string> deal_out(Errand errand, std::span<const std::string> messages,
+                                  const Task& task) {
+  struct Own {
+    const Task& task;
+    const std::string& message;
+    std::string answer;
+    std::exception_ptr failed; // the others answer all the same
+    static void work(void* context) {
+      Own& own = *static_cast<Own*>(context);
+      try {
+        own.answer = own.task(own.message);
+      } catch (...) {
+        own.failed = std::current_exception();
+      }
+    }
+  };
+  Own own{task, messages.front(), {}, nullptr};
   std::vector<HviPetscBytes> bytes;
   for (const std::string& one : messages) bytes.push_back({one.data(), one.size()});
   std::string message = room_for_message();
-  require_others(module_function<HviPetscHandOut>(petsc_module, "hvi_petsc_hand_out")(
-                     bytes.data() + 1, message.data(), message.size()),
+  require_others(module_function<HviPetscDealOut>(petsc_module, "hvi_petsc_deal_out")(
+                     static_cast<int>(errand), bytes.data() + 1, &Own::work, &own, bytes.data() + 1,
+                     message.data(), message.size()),
                  message);
-  std::vector<std::string> out;
-  std::exception_ptr failed; // the others answer all the same
-  try {
-    out.push_back(task(messages.front()));
-  } catch (...) {
-    failed = std::current_exception();
-  }
-  require_others(module_function<HviPetscTakeIn>(petsc_module, "hvi_petsc_take_in")(
-                     bytes.data() + 1, message.data(), message.size()),
-                 message);
-  if (failed) std::rethrow_exception(failed);
+  if (own.failed) std::rethrow_exception(own.failed);
+  std::vector<std::string> out{std::move(own.answer)};
   for (const HviPetscBytes& answer : std::span(bytes).subspan(1))
     out.emplace_back(answer.bytes, answer.size);
   return out;
@@ -238,6 +279,11 @@ bool petsc_is_there() {
 std::unique_ptr<IterativeSolver> petsc_solver(const SparseMatrix& k, bool symmetric,
                                               const UnknownsOfNodes& unknowns) {
   return std::make_unique<PetscSolver>(k, symmetric, unknowns);
+}
+
+std::unique_ptr<IterativeSolver> petsc_solver(DealtRows k, Pieces pieces, bool symmetric,
+                                              const UnknownsOfNodes& unknowns) {
+  return std::make_unique<PetscSolver>(std::move(k), std::move(pieces), symmetric, unknowns);
 }
 
 } // namespace hvi::solver

@@ -28,6 +28,12 @@ Pieces::Pieces(const SparseMatrix& k) : piece_(each_alone(static_cast<int>(k.row
   number();
 }
 
+Pieces::Pieces(int n, const std::function<void(const Couple&)>& couple_all)
+    : piece_(each_alone(n)) {
+  couple_all([&](int i, int j) { piece_[root(piece_, i)] = root(piece_, j); });
+  number();
+}
+
 Pieces::Pieces(int n, const std::function<void(int, Vector&)>& column) : piece_(each_alone(n)) {
   Vector entries(n);
   for (int j = 0; j < n; ++j) {

@@ -14,6 +14,10 @@ namespace hvi::solver {
 class Pieces {
 public:
   explicit Pieces(const SparseMatrix& k);
+  /// Of n rows: `couple_all` calls couple(i, j) for rows that are coupled, enough to join all that
+  /// are.
+  using Couple = std::function<void(int, int)>;
+  Pieces(int n, const std::function<void(const Couple&)>& couple_all);
   /// Of a symmetric pattern of n rows, given column by column.
   Pieces(int n, const std::function<void(int, Vector&)>& column);
   /// The entries of H that are not 0 join pieces of K; those of the last H no longer do.

@@ -102,7 +102,8 @@ std::vector<std::uint64_t> PieceFiles::write(const VtuGrid& grid, const VtuUnits
         bytes_of(Message{path.string(), durability, units, pieces_->piece(grid, p)}));
   }
   std::vector<std::uint64_t> out;
-  for (const std::string& answer : deal_out(messages, write_piece)) out.push_back(hash_in(answer));
+  for (const std::string& answer : deal_out(Errand::write_piece, messages, write_piece))
+    out.push_back(hash_in(answer));
   return out;
 }
 

@@ -136,6 +136,7 @@ Json of_iterations(const IterationWork& work) {
   if (work.iterations > 0) out["iterations"] = work.iterations;
   for (const MultigridLevel& level : work.levels)
     out["multigrid"].push_back({{"rows", level.rows}, {"entries", level.entries}});
+  if (work.assembling > 1) out["assembled_by"] = work.assembling;
   if (work.bytes_of_others > 0) out["bytes_of_others"] = work.bytes_of_others;
   if (work.messages > 0)
     out["communication"] = {

@@ -3,15 +3,27 @@
 
 #include "solver/discrete/inertia.hpp"
 #include "solver/discrete/operators.hpp"
+#include "solver/formulation/halved_bases.hpp"
 #include "solver/results/released_energy.hpp"
 
 #include <algorithm>
 
 namespace hvi::solver {
 
+namespace {
+
+/// Do base matrices act on all of a state and keep all of what it makes, so that products give
+/// energies?
+bool products_are_whole(const Formulation& formulation) {
+  const Operators& operators = formulation.operators();
+  return !operators.halves.empty() || (operators.dealt && !formulation.imposed());
+}
+
+} // namespace
+
 StoredEnergy::StoredEnergy(const Problem& problem, const Discretisation& d, const RunState& run,
                            bool own)
-    : problem_(problem), d_(d), own_(own || run.formulation->operators().halves.empty()),
+    : problem_(problem), d_(d), own_(own || !products_are_whole(*run.formulation)),
       elastic_(own_ ? matrix_of_field(problem, d, field_of_u(0)) : SparseMatrix()),
       load_transfer_(load_transfer(problem, d)), loads_(d.space, d.parts, problem.loads),
       state_loads_(problem, d, run.contact(), nullptr), symmetric_(symmetric_to_rounding(elastic_)),
@@ -32,16 +44,25 @@ double StoredEnergy::energy(const RunState& run) {
   Vector u = Vector::Zero(d_.space.n_dofs()), force = u;
   run.formulation->scatter(run.evolution.u(), u);
   load(run, force);
-  const double elastic_energy = own_ ? elastic(u) : elastic_by_halves(run);
+  const double elastic_energy = own_ ? elastic(u) : elastic_by_products(run);
   return elastic_energy + contact(run, u) - force.dot(u);
 }
 
-double StoredEnergy::elastic_by_halves(const RunState& run) {
+double StoredEnergy::elastic_by_products(const RunState& run) {
   const Operators& operators = run.formulation->operators();
+  const Vector& u = run.evolution.u();
+  Vector forces;
   double sum = 0.0;
-  for (int b = 0; b < operators.n_bases(); ++b)
-    sum += operators.weights(field_of_u(0), b) *
-           operators.halves[static_cast<std::size_t>(b)].energy(run.evolution.u());
+  for (int b = 0; b < operators.n_bases(); ++b) {
+    const double weight = operators.weights(field_of_u(0), b);
+    if (weight == 0.0) continue;
+    if (operators.dealt) {
+      product_of_base(operators, b, u, forces);
+      sum += weight * u.dot(forces);
+    } else {
+      sum += weight * operators.halves[static_cast<std::size_t>(b)].energy(u);
+    }
+  }
   return 0.5 * sum;
 }
 

@@ -34,7 +34,7 @@ public:
   void load(const RunState& run, Vector& out) const;
 
 private:
-  static double elastic_by_halves(const RunState& run);
+  static double elastic_by_products(const RunState& run);
 
   const Problem& problem_;
   const Discretisation& d_;

@@ -66,7 +66,9 @@ void Balance::find_right_hand_side(StepEquation& equation) {
     if (!any && change != 0.0) state_.setZero(), any = true;
     if (change != 0.0) state_ -= change * equation.expected;
     if (!any || state_.isZero(0.0)) continue;
-    if (halves().empty()) {
+    if (operators.dealt) {
+      add_product_of_base(operators, b, 1.0, state_, equation.rhs);
+    } else if (halves().empty()) {
       state_ = -state_;
       subtract_product(operators.bases[b], state_, equation.rhs);
     } else {
@@ -82,7 +84,7 @@ EquationResidual Balance::residual(const StepEquation& equation, StepMatrix& mat
   const Contact& contact = formulation_.contact();
   const Vector &rhs = equation.rhs, &d = trial.d;
   ++products;
-  if (equation.exact()) {
+  if (equation.exact() && matrix.dealt() == nullptr) {
     const SymmetricBlocks& half = matrix.half(halves_);
     if (half.empty()) {
       const double error =
@@ -96,10 +98,10 @@ EquationResidual Balance::residual(const StepEquation& equation, StepMatrix& mat
                               contact.reactions(), xi, trial.gap),
             0.0};
   }
-  gap_and_scale(matrix.k(), d, rhs, trial.gap, scale_);
+  find_gap_and_scale(matrix, d, rhs, trial.gap);
   trial.kd = rhs - trial.gap;
   state_ = equation.expected;
-  state_.head(rhs.size()) -= d;
+  if (!equation.exact()) state_.head(rhs.size()) -= d;
   EquationResidual out;
   for (int b = 0; b < operators.n_bases(); ++b) {
     if (equation.change[b] == 0.0) continue;
@@ -109,23 +111,36 @@ EquationResidual Balance::residual(const StepEquation& equation, StepMatrix& mat
     out.mismatch += (product_.array().abs() / scale_.array().max(1e-300)).maxCoeff();
     ++products;
   }
-  out.error = equilibrium_error(matrix.k(), d, trial.gap, scale_, contact.reactions(), xi);
+  out.error = error_of(matrix, d, trial.gap, xi);
   return out;
+}
+
+/// gap = rhs - K d, and in scale_ what its rows are made of.
+void Balance::find_gap_and_scale(const StepMatrix& matrix, const Vector& d, const Vector& rhs,
+                                 Vector& gap) {
+  if (matrix.dealt() == nullptr) return gap_and_scale(matrix.k(), d, rhs, gap, scale_);
+  const DealtMatrices::Products& of = matrix.dealt()->products(d);
+  gap = rhs - of.product;
+  scale_ = of.magnitude + rhs.cwiseAbs();
+}
+
+double Balance::error_of(const StepMatrix& matrix, const Vector& d, const Vector& gap,
+                         const Vector& xi) const {
+  const Reactions reactions = formulation_.contact().reactions();
+  if (matrix.dealt() == nullptr)
+    return equilibrium_error(matrix.k(), d, gap, scale_, reactions, xi);
+  return equilibrium_error(matrix.dealt()->whole_sizes(d), gap, scale_, reactions, xi);
 }
 
 void Balance::add_terms(const StepEquation& equation, double factor, Vector& out) {
   const Operators& operators = formulation_.operators();
-  SparseMatrix room;
   load.find(equation.n, product_);
   out += factor * product_.cwiseAbs();
   for (int b = 0; b < operators.n_bases(); ++b) {
     if (!evolution_.known_part(equation.n, operators.weights, b, !operators.changes(b),
                                equation.known, state_))
       continue;
-    const SparseMatrix& base = base_by_rows(operators, b, room);
-    for (int i = 0; i < base.rows(); ++i)
-      for (SparseMatrix::InnerIterator it(base, i); it; ++it)
-        out[i] += factor * std::abs(it.value() * state_[it.col()]);
+    add_magnitude_of_base(operators, b, factor, state_, out);
   }
 }
 
@@ -154,22 +169,25 @@ bool Balance::is_rounding(const Vector& values) const {
   return true;
 }
 
-void Balance::add_past(const SparseMatrix& k, double factor, Vector& out) const {
-  for (int i = 0; i < k.rows(); ++i)
-    for (SparseMatrix::InnerIterator it(k, i); it; ++it)
-      out[i] += factor * std::abs(it.value()) * largest_[unknown_of(it.col())];
+void Balance::add_past(const StepMatrix& matrix, double factor, Vector& out) const {
+  Vector past(out.size()), forces;
+  for (Eigen::Index i = 0; i < past.size(); ++i) past[i] = largest_[unknown_of(i)];
+  if (matrix.dealt() != nullptr)
+    matrix.dealt()->apply_magnitude(past, forces);
+  else
+    HeldRows(matrix.k(), {}).apply_magnitude(past, forces);
+  out += factor * forces;
 }
 
 double Balance::error_beside_rounding(const StepEquation& equation, const StepMatrix& matrix,
                                       const Vector& xi, const Trial& trial, double tolerance) {
   Vector gap(equation.rhs.size());
-  gap_and_scale(matrix.k(), trial.d, equation.rhs, gap, scale_);
+  find_gap_and_scale(matrix, trial.d, equation.rhs, gap);
   if (tolerance >= least_tolerance) {
     add_terms(equation, rounding_of_terms / tolerance, scale_);
-    add_past(matrix.k(), rounding_of_terms / tolerance, scale_);
+    add_past(matrix, rounding_of_terms / tolerance, scale_);
   }
-  return equilibrium_error(matrix.k(), trial.d, gap, scale_, formulation_.contact().reactions(),
-                           xi);
+  return error_of(matrix, trial.d, gap, xi);
 }
 
 InteriorEquilibrium::Question Balance::question(int n, const Vector& d, const Vector& xi) const {
@@ -201,7 +219,7 @@ void take_back_change(const Operators& operators, StepEquation& equation) {
 }
 
 double bytes_of(const Operators& operators, std::span<const SymmetricBlocks> halves) {
-  double out = 0.0;
+  double out = operators.dealt ? operators.dealt->bytes() : 0.0;
   for (const auto& base : operators.bases)
     out += static_cast<double>(base.nonZeros()) * (sizeof(double) + sizeof(int));
   for (const auto& half : halves) out += half.bytes();

@@ -93,7 +93,11 @@ private:
   /// terms cancel.
   void add_terms(const StepEquation& equation, double factor, Vector& out);
   /// Adds |K| |the largest values so far of the unknown of each column|.
-  void add_past(const SparseMatrix& k, double factor, Vector& out) const;
+  void add_past(const StepMatrix& matrix, double factor, Vector& out) const;
+  void find_gap_and_scale(const StepMatrix& matrix, const Vector& d, const Vector& rhs,
+                          Vector& gap);
+  double error_of(const StepMatrix& matrix, const Vector& d, const Vector& gap,
+                  const Vector& xi) const;
   void note_largest(const Vector& state);
   int unknown_of(Eigen::Index row) const;
 

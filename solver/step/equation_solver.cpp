@@ -141,7 +141,10 @@ EquationResidual EquationSolver::without_rounding(StepMatrix& matrix, const Step
   for (Eigen::Index c = 0; c < matrix.contact_diagonal().size(); ++c)
     note(contact.loaded[c], matrix.contact_diagonal()[c] * d[contact.loaded[c]]);
   if (!drop_rounding(contact.problem, most, xi)) return left;
-  put_at_rest(matrix.k(), contact, equation.rhs, xi, trial.d);
+  if (matrix.dealt() != nullptr)
+    put_at_rest(matrix.dealt()->pieces(), contact, equation.rhs, xi, trial.d);
+  else
+    put_at_rest(matrix.k(), contact, equation.rhs, xi, trial.d);
   const auto without = balance_.residual(equation, matrix, xi, trial);
   if (without.error <= tolerance_) return without;
   xi = before, trial.d = d;

@@ -163,7 +163,9 @@ void Stepper::account(WorkCounters& work, Timing& timing) const {
     work.bytes += report.bytes;
   }
   charge(state_.formulation->statistics(), work, timing);
-  work.bytes += bytes_of(state_.formulation->operators(), state_.balance.halves());
+  const Operators& operators = state_.formulation->operators();
+  work.bytes += bytes_of(operators, state_.balance.halves());
+  if (operators.dealt) work.iterative.assembling = operators.dealt->processes();
   state_.solver.equations.account(work, timing);
 }
 

@@ -224,11 +224,16 @@ double OneRun::nothing_of_multipliers(const StepMatrix* matrix) const {
   const SparseMatrix& force = state_.contact().force;
   const Vector& u = state_.evolution.u();
   double out = 0.0;
-  for (int i = 0; matrix != nullptr && i < std::min(force.rows(), matrix->k().rows()); ++i) {
+  if (matrix == nullptr) return out;
+  const DealtMatrix* const dealt = matrix->dealt();
+  const Vector all = dealt != nullptr ? dealt->products(u.head(dealt->size())).magnitude : Vector();
+  const auto rows = dealt != nullptr ? all.size() : matrix->k().rows();
+  for (int i = 0; i < std::min(force.rows(), rows); ++i) {
     double weight = 0.0;
     for (SparseMatrix::InnerIterator it(force, i); it; ++it) weight += std::abs(it.value());
-    if (weight > 0.0)
-      out = std::max(out, negligible_share * forces_in_row(matrix->k(), i, u) / weight);
+    if (!(weight > 0.0)) continue;
+    const double forces = dealt != nullptr ? all[i] : forces_in_row(matrix->k(), i, u);
+    out = std::max(out, negligible_share * forces / weight);
   }
   return out;
 }

@@ -13,9 +13,9 @@
 #include <vector>
 
 struct HviPetscSolver {
-  HviPetscSolver(int number_of_it, const HviPetscMatrix& k, bool symmetric,
-                 const HviPetscUnknowns& unknowns)
-      : number(number_of_it), krylov(k, symmetric, unknowns) {}
+  HviPetscSolver(int number_of_it, const HviPetscMatrix& k, const HviPetscMatrix* mine,
+                 bool symmetric, const HviPetscUnknowns& unknowns)
+      : number(number_of_it), krylov(k, mine, symmetric, unknowns) {}
   int number; ///< by which the other processes know it
   hvi::petsc_module::Krylov krylov;
 };
@@ -67,24 +67,29 @@ std::vector<std::string> taken_in;
 using namespace hvi::petsc_module;
 
 extern "C" {
-int hvi_petsc_open(const HviPetscMatrix* k, int symmetric, const HviPetscUnknowns* unknowns,
-                   HviPetscSolver** solver, char* message, std::size_t capacity) {
+int hvi_petsc_open(const HviPetscMatrix* k, const HviPetscDealt* dealt, int symmetric,
+                   const HviPetscUnknowns* unknowns, HviPetscSolver** solver, char* message,
+                   std::size_t capacity) {
   return guarded(
       [&] {
         start();
         const int number = ++solvers;
-        announce({Command::open, number, symmetric});
-        *solver = new HviPetscSolver(number, *k, symmetric != 0, *unknowns);
+        Command command{Command::open, number, symmetric};
+        if (dealt != nullptr) command.set = dealt->set, command.matrix = dealt->matrix;
+        announce(command);
+        *solver = new HviPetscSolver(number, *k, dealt != nullptr ? &dealt->mine : nullptr,
+                                     symmetric != 0, *unknowns);
         return 0;
       },
       message, capacity);
 }
 
-int hvi_petsc_changed(HviPetscSolver* solver, char* message, std::size_t capacity) {
+int hvi_petsc_changed(HviPetscSolver* solver, const HviPetscMatrix* mine, char* message,
+                      std::size_t capacity) {
   return guarded(
       [&] {
         announce({Command::changed, solver->number});
-        solver->krylov.matrix_changed();
+        solver->krylov.matrix_changed(mine);
         return 0;
       },
       message, capacity);
@@ -146,24 +151,20 @@ int hvi_petsc_lead(int expected, char* message, std::size_t capacity) {
       message, capacity);
 }
 
-int hvi_petsc_serve(int expected, HviPetscTask task, void* context) {
+int hvi_petsc_processes() { return processes(); }
+
+int hvi_petsc_serve(int expected, const HviPetscHelper* helper) {
   start_together();
-  return complete(expected) ? serve({task, context}) : 0; // the first one says what is wrong
+  return complete(expected) ? serve(*helper) : 0; // the first one says what is wrong
 }
 
-int hvi_petsc_hand_out(const HviPetscBytes* messages, char* message, std::size_t capacity) {
+int hvi_petsc_deal_out(int errand, const HviPetscBytes* messages, void (*own)(void*), void* context,
+                       HviPetscBytes* answers, char* message, std::size_t capacity) {
   return guarded(
       [&] {
-        announce({Command::task});
+        announce({Command::task, 0, errand});
         hand_out(messages);
-        return 0;
-      },
-      message, capacity);
-}
-
-int hvi_petsc_take_in(HviPetscBytes* answers, char* message, std::size_t capacity) {
-  return guarded(
-      [&] {
+        own(context);
         taken_in = take_in();
         for (const std::string& answer : taken_in) *answers++ = {answer.data(), answer.size()};
         return 0;

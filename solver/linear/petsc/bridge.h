@@ -22,6 +22,17 @@ struct HviPetscUnknowns {
   int unknowns;
   const double* motions; /* rows numbers for each, one after the other */
   int n_motions;
+  /* Where rows are dealt out already: of each node its place in the order of the processes, and of
+     each process how many it has. Null: they are not. */
+  const int *place, *counts;
+};
+
+/* Rows of K that each process has for itself, in the numbering of all components of all nodes, and
+   those of the first one. Their arrays are read while a call lasts. */
+struct HviPetscDealt {
+  unsigned long long set;
+  int matrix;
+  HviPetscMatrix mine;
 };
 
 constexpr int hvi_petsc_solved = 0, hvi_petsc_indefinite = 1, hvi_petsc_stagnated = 2;
@@ -51,8 +62,14 @@ struct HviPetscBytes {
   std::size_t size;
 };
 
-/* The answer to a message, until the next call; no bytes: there is no memory. */
-using HviPetscTask = HviPetscBytes (*)(void* context, HviPetscBytes message);
+/* What a process does for the first one besides iterations. */
+struct HviPetscHelper {
+  void* context;
+  /* The answer to a message, until the next call; no bytes: there is no memory. */
+  HviPetscBytes (*answer)(void* context, int errand, HviPetscBytes message);
+  /* Its rows of a matrix, until the next call. */
+  HviPetscMatrix (*rows)(void* context, unsigned long long set, int matrix);
+};
 
 struct HviPetscSolver;
 
@@ -60,10 +77,13 @@ struct HviPetscSolver;
    these. */
 constexpr int hvi_petsc_no_memory = 2, hvi_petsc_no_factor = 3;
 
-using HviPetscOpen = int (*)(const HviPetscMatrix* k, int symmetric,
+/* K whole; or dealt out, where k has the number of its rows only. */
+using HviPetscOpen = int (*)(const HviPetscMatrix* k, const HviPetscDealt* dealt, int symmetric,
                              const HviPetscUnknowns* unknowns, HviPetscSolver** solver,
                              char* message, std::size_t capacity);
-using HviPetscChanged = int (*)(HviPetscSolver* solver, char* message, std::size_t capacity);
+/* `mine`: the rows of the first process, where K is dealt out; else null. */
+using HviPetscChanged = int (*)(HviPetscSolver* solver, const HviPetscMatrix* mine, char* message,
+                                std::size_t capacity);
 /* A column for each motion that the laws alone hold; the matrix all but takes them to 0. */
 using HviPetscFree = int (*)(HviPetscSolver* solver, const double* motions, int count,
                              char* message, std::size_t capacity);
@@ -78,12 +98,14 @@ using HviPetscClose = void (*)(HviPetscSolver* solver);
    solver, and dismisses the others at its end; each of them serves, and returns the exit code it
    was dismissed with. Where nobody leads, a process is alone. */
 using HviPetscLead = int (*)(int processes, char* message, std::size_t capacity);
-using HviPetscServe = int (*)(int processes, HviPetscTask task, void* context);
-/* Of the first process: a message for each of the others, which they answer by `task`. The answers
-   are taken in before any other call; they live until the next ones. */
-using HviPetscHandOut = int (*)(const HviPetscBytes* messages, char* message,
+/* How many processes work together; 1 where nobody leads. */
+using HviPetscProcesses = int (*)();
+using HviPetscServe = int (*)(int processes, const HviPetscHelper* helper);
+/* Of the first process: a message for each of the others, which their helpers answer, while `own`
+   does the work of the first one. The answers live until the next call. */
+using HviPetscDealOut = int (*)(int errand, const HviPetscBytes* messages, void (*own)(void*),
+                                void* context, HviPetscBytes* answers, char* message,
                                 std::size_t capacity);
-using HviPetscTakeIn = int (*)(HviPetscBytes* answers, char* message, std::size_t capacity);
 /* Returns how many solvers were opened. */
 using HviPetscDismiss = int (*)(int exit_code);
 }

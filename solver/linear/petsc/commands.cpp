@@ -12,6 +12,8 @@
 #include <map>
 #include <memory>
 #include <new>
+#include <optional>
+#include <utility>
 
 namespace hvi::petsc_module {
 namespace {
@@ -43,31 +45,49 @@ Command next_command() {
 
 class Worker {
 public:
-  explicit Worker(Helper helper) : helper_(helper) {}
+  explicit Worker(const HviPetscHelper& helper) : helper_(helper) {}
 
   void obey(const Command& command) {
     if (command.what == Command::open)
-      solvers_[command.solver] = std::make_unique<Krylov>(
-          HviPetscMatrix{0, &none_, nullptr, nullptr}, command.number != 0, HviPetscUnknowns{});
+      open(command);
     else if (command.what == Command::close)
-      solvers_.erase(command.solver);
+      solvers_.erase(command.solver), dealt_.erase(command.solver);
     else if (command.what == Command::task)
-      helper_.answer();
+      answer(helper_, command.number);
     else
       call(*solvers_.at(command.solver), command);
   }
 
 private:
+  void open(const Command& command) {
+    if (command.set != 0) dealt_[command.solver] = {command.set, command.matrix};
+    const auto mine = rows_of(command.solver);
+    solvers_[command.solver] =
+        std::make_unique<Krylov>(HviPetscMatrix{0, &none_, nullptr, nullptr},
+                                 mine ? &*mine : nullptr, command.number != 0, HviPetscUnknowns{});
+  }
+
+  /// Of K, where it is dealt out.
+  std::optional<HviPetscMatrix> rows_of(int solver) const {
+    const auto at = dealt_.find(solver);
+    if (at == dealt_.end()) return std::nullopt;
+    return helper_.rows(helper_.context, at->second.first, at->second.second);
+  }
+
   void call(Krylov& solver, const Command& command) {
-    if (command.what == Command::changed) solver.matrix_changed();
+    if (command.what == Command::changed) {
+      const auto mine = rows_of(command.solver);
+      solver.matrix_changed(mine ? &*mine : nullptr);
+    }
     if (command.what == Command::free) solver.set_free_motions(nullptr, command.number);
     if (command.what == Command::laws)
       solver.set_laws(HviPetscMatrix{0, &none_, nullptr, nullptr}, command.number != 0);
     if (command.what == Command::solve) solver.solve(nullptr, command.reduction, nullptr);
   }
 
-  Helper helper_;
-  int none_ = 0; ///< where rows of no matrix start
+  const HviPetscHelper& helper_;
+  int none_ = 0;                                            ///< where rows of no matrix start
+  std::map<int, std::pair<unsigned long long, int>> dealt_; ///< by solver: set and matrix
   std::map<int, std::unique_ptr<Krylov>> solvers_;
 };
 
@@ -108,7 +128,7 @@ int dismiss(int exit_code) {
   return opened;
 }
 
-int serve(Helper helper) {
+int serve(const HviPetscHelper& helper) {
   // What asks the run to stop is for the first process, which ends the others.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
   try {

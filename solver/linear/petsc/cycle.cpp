@@ -11,6 +11,13 @@ namespace {
 /// the multigrid has no more of them: what is rigid would hold whatever interpolates from there.
 constexpr double stiff_part = 0.5;
 
+std::vector<int> rows_of_laws(const Rows& h) {
+  std::vector<int> out;
+  for (int i = 0; i < h.size(); ++i)
+    if (h.start[i] < h.start[i + 1]) out.push_back(i);
+  return out;
+}
+
 } // namespace
 
 Cycle::Cycle(const Distribution& distribution, const WholeMatrix& k, Mat matrix,
@@ -64,6 +71,7 @@ bool Cycle::leave_laws() { return multigrid_.leave_laws(); }
 
 bool Cycle::set_laws(const Rows& h, const FewRows& rows, bool symmetric, double shift) {
   law_rows_ = &rows;
+  k_.need(rows_of_laws(h));
   give_to_multigrid(not_stiffer(h, symmetric));
   in_layers_ = distribution_.of_first(stiff(h));
   if (!in_layers_) return true;

@@ -82,21 +82,21 @@ void Distribution::send(const Rows& part, int to) const {
   MPI_Send(part.value.data(), entries, MPI_DOUBLE, to, 0, comm_);
 }
 
-void Distribution::receive(Rows& mine) const {
-  mine.start.resize(static_cast<std::size_t>(rows()) + 1);
-  MPI_Recv(mine.start.data(), rows() + 1, MPI_INT, 0, 0, comm_, MPI_STATUS_IGNORE);
+void Distribution::receive(Rows& mine, int rows, int from) const {
+  mine.start.resize(static_cast<std::size_t>(rows) + 1);
+  MPI_Recv(mine.start.data(), rows + 1, MPI_INT, from, 0, comm_, MPI_STATUS_IGNORE);
   const int entries = mine.start.back();
   mine.column.resize(static_cast<std::size_t>(entries));
   mine.value.resize(static_cast<std::size_t>(entries));
-  MPI_Recv(mine.column.data(), entries, MPI_INT, 0, 0, comm_, MPI_STATUS_IGNORE);
-  MPI_Recv(mine.value.data(), entries, MPI_DOUBLE, 0, 0, comm_, MPI_STATUS_IGNORE);
+  MPI_Recv(mine.column.data(), entries, MPI_INT, from, 0, comm_, MPI_STATUS_IGNORE);
+  MPI_Recv(mine.value.data(), entries, MPI_DOUBLE, from, 0, comm_, MPI_STATUS_IGNORE);
 }
 
 /// The first process makes one part after the other, so that it never has a second copy of all.
 HviPetscMatrix Distribution::deal(const WholeMatrix& whole, Rows& mine) const {
   if (alone() && whole.as_it_is() != nullptr) return *whole.as_it_is();
   if (!is_first()) {
-    receive(mine);
+    receive(mine, rows(), 0);
     return mine.view();
   }
   for (int p = 1; p + 1 < static_cast<int>(first_.size()); ++p)
@@ -118,6 +118,50 @@ std::vector<double> Distribution::deal(std::vector<double> columns, int count) c
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(m) * all_rows();
     scatter(is_first() ? columns.data() + first : nullptr, counts(), column, MPI_DOUBLE);
     out.insert(out.end(), column.begin(), column.end());
+  }
+  return out;
+}
+
+Rows Distribution::fetch(const std::vector<int>& named, Mat matrix) const {
+  std::vector<int> all = named;
+  all.resize(static_cast<std::size_t>(of_first(static_cast<int>(named.size()))));
+  MPI_Bcast(all.data(), static_cast<int>(all.size()), MPI_INT, 0, comm_);
+  Rows mine;
+  for (const int i : all) {
+    if (process_of(i) != rank_) continue;
+    PetscInt count = 0;
+    const PetscInt* column = nullptr;
+    const PetscScalar* value = nullptr;
+    check(MatGetRow(matrix, i, &count, &column, &value));
+    mine.column.insert(mine.column.end(), column, column + count);
+    mine.value.insert(mine.value.end(), value, value + count);
+    mine.start.push_back(static_cast<int>(mine.column.size()));
+    check(MatRestoreRow(matrix, i, &count, &column, &value));
+  }
+  if (!is_first()) {
+    if (mine.size() > 0) send(mine, 0);
+    return {};
+  }
+  return in_order(all, std::move(mine));
+}
+
+/// The named rows, of which `mine` are here and each other process sends its own.
+Rows Distribution::in_order(const std::vector<int>& named, Rows mine) const {
+  std::vector<int> counts(first_.size() - 1, 0), next(counts.size(), 0);
+  for (const int i : named) ++counts[process_of(i)];
+  std::vector<Rows> of(counts.size());
+  of.front() = std::move(mine);
+  for (std::size_t p = 1; p < of.size(); ++p)
+    if (counts[p] > 0) receive(of[p], counts[p], static_cast<int>(p));
+  Rows out;
+  for (const int i : named) {
+    const int p = process_of(i), at = next[p]++;
+    const Rows& from = of[p];
+    out.column.insert(out.column.end(), from.column.begin() + from.start[at],
+                      from.column.begin() + from.start[at + 1]);
+    out.value.insert(out.value.end(), from.value.begin() + from.start[at],
+                     from.value.begin() + from.start[at + 1]);
+    out.start.push_back(static_cast<int>(out.column.size()));
   }
   return out;
 }

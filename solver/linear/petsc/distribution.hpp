@@ -39,6 +39,8 @@ public:
     return deal(WholeMatrix(whole), mine);
   }
   std::vector<int> deal(const std::vector<int>& whole) const;
+  /// To the first process the rows of a matrix that it names, in their order.
+  Rows fetch(const std::vector<int>& named, Mat matrix) const;
   /// Of columns one after the other.
   std::vector<double> deal(std::vector<double> columns, int count) const;
 
@@ -53,7 +55,8 @@ public:
 
 private:
   void send(const Rows& part, int to) const;
-  void receive(Rows& mine) const;
+  void receive(Rows& mine, int rows, int from) const;
+  Rows in_order(const std::vector<int>& named, Rows mine) const;
   template <class T>
   void scatter(const T* whole, const std::vector<int>& counts, std::vector<T>& mine,
                MPI_Datatype type) const;

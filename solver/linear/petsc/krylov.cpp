@@ -47,12 +47,14 @@ const char* in_words(KSPConvergedReason reason) {
 
 } // namespace
 
-Krylov::Krylov(const HviPetscMatrix& k, bool symmetric, const HviPetscUnknowns& unknowns)
+Krylov::Krylov(const HviPetscMatrix& k, const HviPetscMatrix* mine, bool symmetric,
+               const HviPetscUnknowns& unknowns)
     : given_(k), numbering_(unknowns, k.rows, partition_of(k, unknowns, processes())),
-      distribution_(numbering_), diagonal_(typical_diagonal()), k_(k, numbering_, diagonal_),
+      distribution_(numbering_), diagonal_(mine == nullptr ? typical_diagonal() : 0.0),
+      k_(whole_matrix(mine != nullptr)),
       symmetric_k_(symmetric && distribution_.of_first(unknowns.unknowns) == 1),
       symmetric_(symmetric_k_) {
-  make_matrix();
+  make_matrix(mine);
   h_.start.assign(static_cast<std::size_t>(numbering_.size()) + 1, 0);
   make_shell(&Krylov::apply_matrix, shell_);
   check(MatCreateVecs(matrix_.get(), b_.put(), x_.put()));
@@ -106,6 +108,13 @@ double Krylov::typical_diagonal() const {
   return most > 0.0 ? most : 1.0;
 }
 
+WholeMatrix Krylov::whole_matrix(bool is_dealt) {
+  if (!is_dealt) return {given_, numbering_, diagonal_};
+  return {numbering_.size(), [this](const std::vector<int>& named) {
+            return distribution_.fetch(named, matrix_.get());
+          }};
+}
+
 /// This process's rows of K, in `room` where PETSc copies them.
 HviPetscMatrix Krylov::deal_matrix(Rows& room) {
   const HviPetscMatrix mine = distribution_.deal(k_, room);
@@ -117,16 +126,17 @@ HviPetscMatrix Krylov::deal_matrix(Rows& room) {
   return mine_.view();
 }
 
-void Krylov::make_matrix() {
+void Krylov::make_matrix(const HviPetscMatrix* mine) {
   Rows room;
-  distribution_.make(deal_matrix(room), matrix_);
+  distribution_.make(mine != nullptr ? *mine : deal_matrix(room), matrix_);
   check(MatSetOption(matrix_.get(), symmetric_k_ ? MAT_SPD : MAT_SYMMETRIC,
                      symmetric_k_ ? PETSC_TRUE : PETSC_FALSE));
 }
 
-void Krylov::matrix_changed() {
+void Krylov::matrix_changed(const HviPetscMatrix* mine) {
   Rows room;
-  distribution_.refresh(deal_matrix(room), matrix_.get());
+  distribution_.refresh(mine != nullptr ? *mine : deal_matrix(room), matrix_.get());
+  k_.changed();
   preconditioner_->matrix_changed();
   changed_ = free_stale_ = true;
 }

@@ -1,7 +1,7 @@
 // Conjugate gradients, or GMRES where a matrix is not symmetric, for (K + H) x = b.
 //
-// Each process has one of each solver, and all make the same calls. Only the first one is given K,
-// H and b; the others give empty ones.
+// Each process has one of each solver, and all make the same calls. Only the first one is given H
+// and b, and K where its rows are not dealt out; the others give empty ones.
 #pragma once
 
 #include "solver/linear/petsc/free_motions.hpp"
@@ -16,8 +16,10 @@ namespace hvi::petsc_module {
 
 class Krylov {
 public:
-  Krylov(const HviPetscMatrix& k, bool symmetric, const HviPetscUnknowns& unknowns);
-  void matrix_changed();
+  /// `mine`: this process's rows of K, of which k has the number of all then; null: k is K.
+  Krylov(const HviPetscMatrix& k, const HviPetscMatrix* mine, bool symmetric,
+         const HviPetscUnknowns& unknowns);
+  void matrix_changed(const HviPetscMatrix* mine);
   /// Those that K leaves free.
   void set_free_motions(const double* motions, int count);
   /// False: the layers at the contact have no factor.
@@ -36,8 +38,9 @@ private:
   KSPConvergedReason reason() const;
   int iterations() const;
   HviPetscAnswer answer_of_method() const;
+  WholeMatrix whole_matrix(bool is_dealt);
   HviPetscMatrix deal_matrix(Rows& room);
-  void make_matrix();
+  void make_matrix(const HviPetscMatrix* mine);
   void make_shell(PetscErrorCode (*product)(Mat, Vec, Vec), Owned<Mat>& shell);
   void make_preconditioner(const HviPetscUnknowns& unknowns);
   void count();

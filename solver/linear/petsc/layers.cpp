@@ -11,22 +11,22 @@
 namespace hvi::petsc_module {
 namespace {
 
-/// Marks the neighbours of what is marked.
-void add_neighbours(const WholeMatrix& k, std::vector<char>& in) {
-  const std::vector<char> before = in;
-  WholeMatrix::Room room;
-  for (int i = 0; i < k.rows(); ++i)
-    if (before[i] != 0) {
-      const WholeMatrix::Row row = k.row(i, room);
-      for (int e = 0; e < row.size; ++e) in[row.column[e]] = 1;
-    }
-}
-
 std::vector<int> marked(const std::vector<char>& in) {
   std::vector<int> out;
   for (std::size_t i = 0; i < in.size(); ++i)
     if (in[i] != 0) out.push_back(static_cast<int>(i));
   return out;
+}
+
+/// Marks the neighbours of what is marked.
+void add_neighbours(const WholeMatrix& k, std::vector<char>& in) {
+  const std::vector<int> before = marked(in);
+  k.need(before);
+  WholeMatrix::Room room;
+  for (const int i : before) {
+    const WholeMatrix::Row row = k.row(i, room);
+    for (int e = 0; e < row.size; ++e) in[row.column[e]] = 1;
+  }
 }
 
 bool has_entries(const Rows& h, int row) { return h.start[row] < h.start[row + 1]; }
@@ -50,6 +50,7 @@ std::vector<int> first_coupled(const Rows& h) {
 
 /// The rows that are named, and none of the others.
 Rows only(const WholeMatrix& k, const std::vector<int>& named) {
+  k.need(named);
   Rows out;
   out.start.assign(static_cast<std::size_t>(k.rows()) + 1, 0);
   WholeMatrix::Room room;

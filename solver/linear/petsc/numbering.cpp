@@ -46,7 +46,34 @@ void Numbering::collect(const double* x, double* out) const {
     if (unknown_[p] >= 0) out[unknown_[p]] = x[p];
 }
 
+void WholeMatrix::need(const std::vector<int>& named) const {
+  if (!is_dealt()) return;
+  std::vector<int> missing;
+  for (const int i : named)
+    if (known_[i] < 0) missing.push_back(i);
+  const Rows more = fetch_(missing);
+  for (std::size_t k = 0; k < missing.size(); ++k) {
+    known_[missing[k]] = fetched_.size();
+    const int first = more.start[k], end = more.start[k + 1];
+    fetched_.column.insert(fetched_.column.end(), more.column.begin() + first,
+                           more.column.begin() + end);
+    fetched_.value.insert(fetched_.value.end(), more.value.begin() + first,
+                          more.value.begin() + end);
+    fetched_.start.push_back(static_cast<int>(fetched_.column.size()));
+  }
+}
+
+void WholeMatrix::changed() const {
+  std::fill(known_.begin(), known_.end(), -1);
+  fetched_ = Rows();
+}
+
 WholeMatrix::Row WholeMatrix::row(int i, Room& room) const {
+  if (is_dealt()) {
+    const int at = fetched_.start[known_[i]];
+    return {fetched_.column.data() + at, fetched_.value.data() + at,
+            fetched_.start[known_[i] + 1] - at};
+  }
   const int own = numbering_ == nullptr ? i : numbering_->unknown_of(i);
   const int first = own < 0 ? 0 : a_.start[own], end = own < 0 ? 0 : a_.start[own + 1];
   if (numbering_ == nullptr) return {a_.column + first, a_.value + first, end - first};
@@ -64,6 +91,7 @@ WholeMatrix::Row WholeMatrix::row(int i, Room& room) const {
 }
 
 double WholeMatrix::entry(int i, int j) const {
+  if (is_dealt()) return petsc_module::entry(fetched_.view(), known_[i], j);
   if (numbering_ == nullptr) return petsc_module::entry(a_, i, j);
   const int row = numbering_->unknown_of(i), column = numbering_->unknown_of(j);
   if (row < 0 || column < 0) return i == j ? diagonal_ : 0.0;

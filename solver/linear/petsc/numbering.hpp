@@ -5,6 +5,7 @@
 
 #include "solver/linear/petsc/partition.hpp"
 
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -46,8 +47,9 @@ private:
   std::vector<int> place_, unknown_; ///< of each unknown, and back; -1: none
 };
 
-/// A matrix of the first process in PETSc's numbering, row by row: where it is numbered otherwise,
-/// no second copy of it is kept.
+/// A matrix as the first process sees it, in PETSc's numbering, row by row: where it is numbered
+/// otherwise, no second copy of it is kept. Where its rows are dealt out, the first process knows
+/// those that it has asked for.
 class WholeMatrix {
 public:
   /// Entries in ascending columns.
@@ -70,10 +72,24 @@ public:
   WholeMatrix(const HviPetscMatrix& a, const Numbering& numbering, double diagonal)
       : a_(a), numbering_(numbering.same() ? nullptr : &numbering), diagonal_(diagonal) {}
 
+  /// Dealt out: `fetch`, called by all processes together, gives the first one the rows that it
+  /// names. `rows`: of the first process all, of the others 0.
+  using Fetch = std::function<Rows(const std::vector<int>& named)>;
+  WholeMatrix(int rows, Fetch fetch)
+      : a_{rows, nullptr, nullptr, nullptr}, fetch_(std::move(fetch)),
+        known_(static_cast<std::size_t>(rows), -1) {}
+
   int rows() const { return numbering_ == nullptr ? a_.rows : numbering_->size(); }
-  /// The matrix itself; null: it is numbered otherwise.
-  const HviPetscMatrix* as_it_is() const { return numbering_ == nullptr ? &a_ : nullptr; }
-  /// Until the next call with this room.
+  bool is_dealt() const { return fetch_ != nullptr; }
+  /// The matrix itself; null: it is numbered otherwise, or dealt out.
+  const HviPetscMatrix* as_it_is() const {
+    return numbering_ == nullptr && !is_dealt() ? &a_ : nullptr;
+  }
+  /// By all processes together: `row` and `entry` may be asked for these rows from now on.
+  void need(const std::vector<int>& named) const;
+  /// The entries have changed.
+  void changed() const;
+  /// Until the next call with this room, or of `need`.
   Row row(int i, Room& room) const;
   double entry(int i, int j) const;    ///< 0 where there is none
   Rows part(int first, int end) const; ///< these rows
@@ -84,6 +100,10 @@ private:
   HviPetscMatrix a_;
   const Numbering* numbering_ = nullptr;
   double diagonal_ = 0.0;
+  Fetch fetch_;
+  // What was fetched: rows one after the other, and where each row is among them.
+  mutable Rows fetched_;
+  mutable std::vector<int> known_;
 };
 
 } // namespace hvi::petsc_module

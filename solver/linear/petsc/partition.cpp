@@ -65,6 +65,8 @@ std::vector<int> parts_of(Graph graph, std::vector<int> weights, int parts) {
 Partition partition_of(const HviPetscMatrix& k, const HviPetscUnknowns& unknowns, int parts) {
   const int nodes = unknowns.nodes;
   if (parts == 1 || nodes == 0) return {{}, {nodes}};
+  if (unknowns.place != nullptr)
+    return {{unknowns.place, unknowns.place + nodes}, {unknowns.counts, unknowns.counts + parts}};
   const std::vector<int> part = parts_of(graph_of(k, unknowns), {}, parts);
   Partition out;
   out.counts.assign(static_cast<std::size_t>(parts), 0);

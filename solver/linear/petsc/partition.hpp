@@ -26,7 +26,7 @@ std::vector<int> parts_of(Graph graph, std::vector<int> weights, int parts);
 
 /// Parts of alike size with few entries of K between them (G. Karypis, V. Kumar, A fast and high
 /// quality multilevel scheme for partitioning irregular graphs, SIAM J. Sci. Comput. 20 (1998)
-/// 359-392). The same K has the same parts.
+/// 359-392). The same K has the same parts. Where the caller has dealt rows out: as they are.
 Partition partition_of(const HviPetscMatrix& k, const HviPetscUnknowns& unknowns, int parts);
 
 } // namespace hvi::petsc_module

@@ -43,9 +43,10 @@ std::vector<std::string> take_in() {
   return out;
 }
 
-void Helper::answer() const {
+void answer(const HviPetscHelper& helper, int errand) {
   const std::string message = receive(0);
-  const HviPetscBytes said = task(context, {message.data(), message.size()});
+  const HviPetscBytes said =
+      helper.answer(helper.context, errand, {message.data(), message.size()});
   if (said.bytes == nullptr) throw std::bad_alloc();
   send(0, said.bytes, said.size);
 }

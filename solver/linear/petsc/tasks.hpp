@@ -16,12 +16,7 @@ void hand_out(const HviPetscBytes* messages);
 /// Of the first process: what each of them answers.
 std::vector<std::string> take_in();
 
-/// Of another process.
-struct Helper {
-  HviPetscTask task = nullptr;
-  void* context = nullptr;
-  /// Waits for a message and answers it. Throws bad_alloc.
-  void answer() const;
-};
+/// Of another process: waits for a message and answers it. Throws bad_alloc.
+void answer(const HviPetscHelper& helper, int errand);
 
 } // namespace hvi::petsc_module

@@ -1,7 +1,7 @@
 // Laws on unknowns that have no stiffness of their own, such as the pressure of an incompressible
 // fluid: with all unknowns kept, against the same problem after the others are eliminated.
 #include "problems.hpp"
-#include "solver/inequality/own_stiffness.hpp"
+#include "solver/linear/own_stiffness.hpp"
 
 #include <gtest/gtest.h>
 

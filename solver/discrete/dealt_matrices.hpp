@@ -1,0 +1,107 @@
+// The base matrices of a problem whose rows several processes have, each those of its own nodes
+// (own_matrices.hpp), as the first process sees them: by what they make of vectors.
+#pragma once
+
+#include "solver/discrete/own_matrices.hpp"
+#include "solver/discrete/rounding.hpp"
+#include "solver/linear/iterative_solver.hpp"
+#include "solver/linear/matrix_rows.hpp"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace hvi::solver {
+
+class DealtMatrices {
+public:
+  /// What a matrix makes of a vector, on all unknowns: A x, |A| |x| and |A_ii| max |x_j| over the
+  /// columns of row i.
+  struct Products {
+    Vector product, magnitude, whole;
+  };
+
+  /// All processes assemble these forms. `unknowns` learns where its nodes are. Keeps a reference
+  /// to the discretisation. Throws what a process met with.
+  DealtMatrices(const Discretisation& discretisation, const StateLayout& layout,
+                const DistinctForms& forms, int processes, UnknownsOfNodes& unknowns);
+  ~DealtMatrices();
+  DealtMatrices(const DealtMatrices&) = delete;
+  DealtMatrices& operator=(const DealtMatrices&) = delete;
+
+  /// By base matrix, the coefficients in each field.
+  const std::vector<Vector>& weights() const { return weights_; }
+  int processes() const { return processes_; }
+  int n_unknowns() const { return n_unknowns_; }
+  /// `x`: a state, or the unknowns alone where its other values are 0.
+  void products(int matrix, const Vector& x, Products& out) const;
+  Vector diagonal(int matrix) const;
+  /// add_rounding (rounding.hpp) of base b.
+  void add_rounding(int b, const Vector& state, double unit, RoundingForces& forces,
+                    Vector& size) const;
+
+  /// Another matrix, a sum of the bases.
+  int another() { return next_++; }
+  void combine(int matrix, const Vector& gamma) const;
+  /// For PETSc; see OwnRows::place and OwnRows::leave.
+  RowArrays place(int matrix, double alone) const;
+  void leave(int matrix) const;
+  void forget(int matrix) const noexcept;
+  std::uint64_t set() const { return reinterpret_cast<std::uintptr_t>(this); }
+  Pieces pieces() const;
+  double bytes() const; ///< of this process
+
+private:
+  std::vector<std::string> ask(const MatrixErrand& errand,
+                               const std::function<std::vector<double>(int)>& numbers) const;
+  std::vector<std::string> ask(const MatrixErrand& errand) const;
+  std::vector<std::string> ask(std::span<const std::string> messages) const;
+  std::vector<double> columns_of(int p, const Vector& x) const;
+  /// Numbers of each process's rows, `part` of several blocks of them, to their unknowns.
+  void collect(const std::vector<std::string>& answers, std::size_t part, Vector& out) const;
+  void deal_out_nodes(const StateLayout& layout, const std::vector<std::int32_t>& part_of_node,
+                      UnknownsOfNodes& unknowns);
+
+  const Discretisation& d_;
+  int processes_, n_unknowns_;
+  int next_ = 0;
+  std::vector<OwnEntries> of_; ///< by process
+  std::vector<Vector> weights_;
+  std::vector<int> first_row_;      ///< PETSc's, of each process, and the end
+  std::vector<std::int32_t> place_; ///< by state entry; see PlacedRows::column
+  mutable OwnMatrices mine_;
+};
+
+/// K of a step.
+class DealtMatrix final : public MatrixRows {
+public:
+  /// Keeps a reference.
+  explicit DealtMatrix(DealtMatrices& all) : all_(all), number_(all.another()) {}
+  ~DealtMatrix() override { all_.forget(number_); }
+  DealtMatrix(const DealtMatrix&) = delete;
+  DealtMatrix& operator=(const DealtMatrix&) = delete;
+
+  void combine(const Vector& gamma);
+  /// For the iterative solver, while this lives.
+  DealtRows rows() const;
+
+  int size() const override { return all_.n_unknowns(); }
+  void apply(const Vector& x, Vector& y) const override { y = products(x).product; }
+  void apply_magnitude(const Vector& x, Vector& y) const override { y = products(x).magnitude; }
+  Vector diagonal() const override { return diagonal_; }
+  Vector own_stiffness() const override { return diagonal_.cwiseAbs(); }
+  std::function<double(int)> whole_sizes(const Vector& x) const override;
+  Pieces pieces() const override { return all_.pieces(); }
+  /// All at once; those of the last x are kept.
+  const DealtMatrices::Products& products(const Vector& x) const;
+
+private:
+  DealtMatrices& all_;
+  int number_;
+  Vector diagonal_;
+  mutable Vector last_;
+  mutable DealtMatrices::Products of_last_;
+};
+
+} // namespace hvi::solver

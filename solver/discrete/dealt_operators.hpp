@@ -1,0 +1,18 @@
+// The operators of a problem whose matrices several processes assemble, each on its own cells.
+#pragma once
+
+#include "solver/discrete/operators.hpp"
+
+namespace hvi::solver {
+
+/// Can they? One unknown on the whole mesh that imposed values hold, laws, no periodic parts, no
+/// inertia, no forms that states change, and forms of which it is known that they are symmetric.
+/// Others are assembled by the first process.
+bool may_be_dealt(const Problem& problem, const Discretisation& discretisation,
+                  const StateLayout& layout);
+
+/// Of such a problem. `processes`: two or more, which are led (processes.hpp).
+Operators deal_operators(const Problem& problem, const Discretisation& discretisation,
+                         const StateLayout& layout, int processes);
+
+} // namespace hvi::solver

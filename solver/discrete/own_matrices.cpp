@@ -1,0 +1,240 @@
+// See own_matrices.hpp.
+#include "solver/discrete/own_matrices.hpp"
+
+#include "solver/discrete/distinct_forms.hpp"
+#include "solver/discrete/operators.hpp"
+#include "solver/discrete/rounding.hpp"
+#include "solver/kernel/expr_stream.hpp"
+
+#include <cstring>
+#include <new>
+#include <sstream>
+#include <utility>
+
+namespace hvi::solver {
+namespace {
+
+void put_vector_of(StateWriter& w, const Vector& of) {
+  w.put(std::vector<double>(of.begin(), of.end()));
+}
+
+Vector get_vector_of(StateReader& r) {
+  const auto values = r.get_vector<double>();
+  return Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+/// Of a form what its assembly reads.
+void put_form(StateWriter& w, const FormTerm& form, std::vector<Expr>& coefficients) {
+  w.put(form.origin);
+  w.put(form.part);
+  w.put(form.field);
+  w.put(form.rule);
+  w.put(static_cast<int>(form.entries.size()));
+  for (const FormTerm::Entry& entry : form.entries) {
+    w.put(entry.test);
+    w.put(entry.trial);
+    coefficients.push_back(entry.coefficient);
+  }
+}
+
+FormTerm get_form(StateReader& r) {
+  FormTerm out;
+  out.origin = r.get<Origin>();
+  out.part = r.get<int>();
+  out.field = r.get<int>();
+  out.rule = r.get<Rule>();
+  out.entries.resize(static_cast<std::size_t>(r.get<int>()));
+  for (FormTerm::Entry& entry : out.entries) {
+    entry.test = r.get<int>();
+    entry.trial = r.get<int>();
+  }
+  return out;
+}
+
+void put_forms(StateWriter& w, const DistinctForms& forms) {
+  std::vector<Expr> coefficients;
+  w.put(static_cast<int>(forms.terms.size()));
+  for (std::size_t f = 0; f < forms.terms.size(); ++f) {
+    put_form(w, forms.terms[f], coefficients);
+    put_vector_of(w, forms.weights[f]);
+  }
+  put_expressions(w, coefficients);
+}
+
+DistinctForms get_forms(StateReader& r) {
+  DistinctForms out;
+  for (int left = r.get<int>(); left > 0; --left) {
+    out.terms.push_back(get_form(r));
+    out.weights.push_back(get_vector_of(r));
+  }
+  const std::vector<Expr> coefficients = get_expressions(r);
+  std::size_t next = 0;
+  for (FormTerm& form : out.terms)
+    for (FormTerm::Entry& entry : form.entries) entry.coefficient = coefficients.at(next++);
+  return out;
+}
+
+void put_placed(StateWriter& w, const OwnEntries& entries, std::span<const std::int32_t> place,
+                int first, int end) {
+  PlacedRows placed{first, end - first, {}};
+  for (const auto entry : entries.state) placed.column.push_back(place[entry]);
+  w.put(placed.first);
+  w.put(placed.count);
+  w.put(placed.column);
+}
+
+PlacedRows get_placed(StateReader& r) {
+  PlacedRows out;
+  out.first = r.get<int>();
+  out.count = r.get<int>();
+  out.column = r.get_vector<std::int32_t>();
+  return out;
+}
+
+/// Room for so many numbers, as an answer.
+std::string room_for(std::size_t numbers) { return std::string(numbers * sizeof(double), '\0'); }
+
+std::span<double> numbers_of(std::string& answer) {
+  return {reinterpret_cast<double*>(answer.data()), answer.size() / sizeof(double)};
+}
+
+std::string failed(const Failure& failure) {
+  std::ostringstream out;
+  StateWriter w(out);
+  w.put(true);
+  w.put(failure.kind);
+  w.put(failure.origin);
+  put_text(w, failure.what());
+  put_text(w, failure.help);
+  return std::move(out).str();
+}
+
+std::string made(const std::vector<Vector>& weights) {
+  std::ostringstream out;
+  StateWriter w(out);
+  w.put(false);
+  w.put(static_cast<int>(weights.size()));
+  for (const Vector& of : weights) put_vector_of(w, of);
+  return std::move(out).str();
+}
+
+} // namespace
+
+std::string message_of(const MatrixErrand& errand, std::string_view bytes) {
+  std::string out;
+  out.reserve(sizeof errand + bytes.size());
+  out.append(reinterpret_cast<const char*>(&errand), sizeof errand).append(bytes);
+  return out;
+}
+
+std::string message_of(const MatrixErrand& errand, std::span<const double> numbers) {
+  return message_of(errand, std::string_view(reinterpret_cast<const char*>(numbers.data()),
+                                             numbers.size_bytes()));
+}
+
+std::span<const double> numbers_in(std::string_view answer) {
+  return {reinterpret_cast<const double*>(answer.data()), answer.size() / sizeof(double)};
+}
+
+std::vector<Vector> assembled(std::string_view answer) {
+  std::istringstream in{std::string(answer)};
+  StateReader r(in, {});
+  if (r.get<bool>()) {
+    const auto kind = r.get<FailureKind>();
+    const auto origin = r.get<Origin>();
+    const std::string what = get_text(r), help = get_text(r);
+    throw Failure(kind, origin, what, help);
+  }
+  std::vector<Vector> out(static_cast<std::size_t>(r.get<int>()));
+  for (Vector& of : out) of = get_vector_of(r);
+  return out;
+}
+
+OwnEntries put_assembly(StateWriter& w, const Discretisation& discretisation,
+                        const StateLayout& layout, std::span<const std::int32_t> part_of_node,
+                        int p, std::span<const std::int32_t> place, std::span<const int> first_row,
+                        const DistinctForms& forms) {
+  std::vector<int> parts;
+  for (const FormTerm& form : forms.terms) parts.push_back(form.part);
+  OwnEntries out = put_own_cells(w, discretisation, layout, part_of_node, p, parts);
+  put_placed(w, out, place, first_row[p], first_row[p + 1]);
+  put_forms(w, forms);
+  return out;
+}
+
+std::string OwnMatrices::assemble(std::uint64_t set, std::string_view bytes) {
+  try {
+    std::istringstream in{std::string(bytes)};
+    StateReader r(in, {});
+    OwnCells cells;
+    get_own_cells(r, cells);
+    PlacedRows placed = get_placed(r);
+    DistinctForms forms = get_forms(r);
+    std::vector<const FormTerm*> terms;
+    for (const FormTerm& form : forms.terms) terms.push_back(&form);
+    auto matrices = assemble_terms(cells.discretisation, cells.layout, terms, 1);
+    merge_equal_weights(matrices, forms.weights);
+    sets_.erase(set);
+    sets_.try_emplace(set, std::move(matrices), std::move(placed));
+    return made(forms.weights);
+  } catch (const Failure& failure) {
+    return failed(failure);
+  }
+}
+
+std::string OwnMatrices::answer(std::string_view message) {
+  MatrixErrand errand;
+  if (message.size() < sizeof errand) return {};
+  std::memcpy(&errand, message.data(), sizeof errand);
+  const std::string_view rest = message.substr(sizeof errand);
+  if (errand.what == MatrixErrand::assemble) return assemble(errand.set, rest);
+  if (errand.what == MatrixErrand::end) {
+    sets_.erase(errand.set);
+    return {};
+  }
+  OwnRows& rows = sets_.at(errand.set);
+  const auto numbers = numbers_in(rest);
+  const auto n = static_cast<std::size_t>(rows.rows());
+  std::string out;
+  switch (errand.what) {
+  case MatrixErrand::products:
+    out = room_for(3 * n);
+    rows.products(errand.matrix, numbers, numbers_of(out));
+    break;
+  case MatrixErrand::diagonal:
+    out = room_for(n);
+    rows.diagonal(errand.matrix, numbers_of(out));
+    break;
+  case MatrixErrand::sum:
+    rows.combine(errand.matrix, numbers);
+    break;
+  case MatrixErrand::place:
+    rows.place(errand.matrix, errand.number);
+    break;
+  case MatrixErrand::leave:
+    rows.leave(errand.matrix);
+    break;
+  case MatrixErrand::rounding: {
+    out = room_for((n_samples + 1) * n);
+    const auto columns = static_cast<std::size_t>(rows.columns());
+    rounding_of_rows(rows, errand.matrix, numbers.first(columns), numbers.subspan(columns),
+                     errand.number, numbers_of(out));
+    break;
+  }
+  case MatrixErrand::forget:
+    rows.forget(errand.matrix);
+    break;
+  case MatrixErrand::assemble:
+  case MatrixErrand::end:
+    break;
+  }
+  return out;
+}
+
+double OwnMatrices::bytes() const {
+  double out = 0.0;
+  for (const auto& [set, rows] : sets_) out += rows.bytes();
+  return out;
+}
+
+} // namespace hvi::solver

@@ -1,0 +1,128 @@
+// See own_rows.hpp.
+#include "solver/linear/own_rows.hpp"
+
+#include "solver/linear/same_pattern.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace hvi::solver {
+namespace {
+
+/// Zeros where any of them has an entry.
+SparseMatrix pattern_of_all(const std::vector<SparseMatrix>& matrices) {
+  SparseMatrix out = matrices.front();
+  for (const SparseMatrix& one : matrices)
+    if (!same_pattern(out, one)) out = SparseMatrix(out + one);
+  return out;
+}
+
+/// The values of `of` at the entries of a pattern that has all of its.
+std::vector<double> values_in(const SparseMatrix& pattern, const SparseMatrix& of) {
+  std::vector<double> out(static_cast<std::size_t>(pattern.nonZeros()), 0.0);
+  const int* const column = pattern.innerIndexPtr();
+  for (int i = 0; i < of.rows(); ++i) {
+    int at = pattern.outerIndexPtr()[i];
+    for (SparseMatrix::InnerIterator it(of, i); it; ++it, ++at) {
+      while (column[at] < it.col()) ++at;
+      out[static_cast<std::size_t>(at)] = it.value();
+    }
+  }
+  return out;
+}
+
+} // namespace
+
+OwnRows::OwnRows(std::vector<SparseMatrix> bases, PlacedRows placed)
+    : bases_(static_cast<int>(bases.size())), placed_(std::move(placed)) {
+  const SparseMatrix pattern = pattern_of_all(bases);
+  start_.assign(pattern.outerIndexPtr(), pattern.outerIndexPtr() + pattern.rows() + 1);
+  column_.assign(pattern.innerIndexPtr(), pattern.innerIndexPtr() + pattern.nonZeros());
+  for (int b = 0; b < bases_; ++b) {
+    SparseMatrix& base = bases[static_cast<std::size_t>(b)];
+    values_[b] = values_in(pattern, base);
+    SparseMatrix().swap(base);
+  }
+}
+
+void OwnRows::products(int a, std::span<const double> x, std::span<double> out) const {
+  const double* const value = values(a).data();
+  double *product = out.data(), *magnitude = product + rows(), *whole = magnitude + rows();
+  for (int i = 0; i < rows(); ++i) {
+    double sum = 0.0, size = 0.0, largest = 0.0, own = 0.0;
+    for (int e = start_[i]; e < start_[i + 1]; ++e) {
+      const double of = x[column_[e]], term = value[e] * of;
+      sum += term;
+      size += std::abs(term);
+      largest = std::max(largest, std::abs(of));
+      if (column_[e] == i) own = std::abs(value[e]);
+    }
+    product[i] = sum, magnitude[i] = size, whole[i] = own * largest;
+  }
+}
+
+void OwnRows::diagonal(int a, std::span<double> out) const {
+  std::ranges::fill(out, 0.0);
+  for_entries(a, [&](int i, int j, double value) {
+    if (i == j) out[i] = value;
+  });
+}
+
+void OwnRows::combine(int a, std::span<const double> gamma) {
+  std::vector<double>& sum = values_[a];
+  sum.assign(column_.size(), 0.0);
+  for (int b = 0; b < bases_; ++b) {
+    const std::vector<double>& of = values(b);
+    for (std::size_t e = 0; e < sum.size(); ++e) sum[e] += gamma[b] * of[e];
+  }
+}
+
+void OwnRows::place(int a, double alone) {
+  std::vector<int> row_here(static_cast<std::size_t>(placed_.count), -1);
+  for (int i = 0; i < rows(); ++i) row_here[placed_.column[i] - placed_.first] = i;
+  Placed& to = placed_arrays_[a];
+  to = {};
+  to.start.reserve(row_here.size() + 1);
+  to.column.reserve(column_.size() + row_here.size());
+  to.value.reserve(column_.size() + row_here.size());
+  to.start.push_back(0);
+  std::vector<std::pair<int, double>> row;
+  const double* const value = values(a).data();
+  for (int p = 0; p < placed_.count; ++p) {
+    row.clear();
+    const int i = row_here[p];
+    if (i < 0)
+      row.emplace_back(placed_.first + p, alone);
+    else
+      for (int e = start_[i]; e < start_[i + 1]; ++e)
+        if (const int there = placed_.column[column_[e]]; there >= 0)
+          row.emplace_back(there, value[e]);
+    std::sort(row.begin(), row.end());
+    for (const auto& [column, entry] : row) {
+      to.column.push_back(column);
+      to.value.push_back(entry);
+    }
+    to.start.push_back(static_cast<int>(to.column.size()));
+  }
+}
+
+RowArrays OwnRows::placed(int a) const {
+  const Placed& of = placed_arrays_.at(a);
+  return {placed_.count, of.start.data(), of.column.data(), of.value.data()};
+}
+
+void OwnRows::forget(int a) {
+  values_.erase(a);
+  placed_arrays_.erase(a);
+}
+
+double OwnRows::bytes() const {
+  const auto entries = static_cast<double>(column_.size());
+  double out = entries * (sizeof(int) + sizeof(double) * static_cast<double>(values_.size()));
+  for (const auto& [a, arrays] : placed_arrays_)
+    out += static_cast<double>(arrays.column.size()) * (sizeof(double) + sizeof(int));
+  return out;
+}
+
+} // namespace hvi::solver
