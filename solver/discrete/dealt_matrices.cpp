@@ -93,12 +93,16 @@ void DealtMatrices::collect(const std::vector<std::string>& answers, std::size_t
   }
 }
 
-void DealtMatrices::products(int matrix, const Vector& x, Products& out) const {
+void DealtMatrices::product(int matrix, const Vector& x, Vector& product, Vector& whole) const {
   const auto answers =
       ask({set(), MatrixErrand::products, matrix}, [&](int p) { return columns_of(p, x); });
-  collect(answers, 0, out.product);
-  collect(answers, 1, out.magnitude);
-  collect(answers, 2, out.whole);
+  collect(answers, 0, product);
+  collect(answers, 1, whole);
+}
+
+void DealtMatrices::magnitude(int matrix, const Vector& x, Vector& out) const {
+  collect(ask({set(), MatrixErrand::magnitudes, matrix}, [&](int p) { return columns_of(p, x); }),
+          0, out);
 }
 
 Vector DealtMatrices::diagonal(int matrix) const {
@@ -164,7 +168,7 @@ double DealtMatrices::bytes() const { return mine_.bytes(); }
 void DealtMatrix::combine(const Vector& gamma) {
   all_.combine(number_, gamma);
   diagonal_ = all_.diagonal(number_);
-  last_.resize(0);
+  last_ = {};
 }
 
 /// Rows that are no unknown's have the largest entry of the others.
@@ -179,17 +183,17 @@ DealtRows DealtMatrix::rows() const {
 
 std::function<double(int)> DealtMatrix::whole_sizes(const Vector& x) const {
   return [this, &x, whole = static_cast<const Vector*>(nullptr)](int i) mutable {
-    if (whole == nullptr) whole = &products(x).whole;
+    if (whole == nullptr) whole = &last(x).whole;
     return (*whole)[i];
   };
 }
 
-const DealtMatrices::Products& DealtMatrix::products(const Vector& x) const {
-  if (last_.size() != x.size() || last_ != x) {
-    all_.products(number_, x, of_last_);
-    last_ = x;
+const DealtMatrix::Last& DealtMatrix::last(const Vector& x) const {
+  if (last_.x.size() != x.size() || last_.x != x) {
+    all_.product(number_, x, last_.product, last_.whole);
+    last_.x = x;
   }
-  return of_last_;
+  return last_;
 }
 
 } // namespace hvi::solver

@@ -16,12 +16,6 @@ namespace hvi::solver {
 
 class DealtMatrices {
 public:
-  /// What a matrix makes of a vector, on all unknowns: A x, |A| |x| and |A_ii| max |x_j| over the
-  /// columns of row i.
-  struct Products {
-    Vector product, magnitude, whole;
-  };
-
   /// All processes assemble these forms. `unknowns` learns where its nodes are. Keeps a reference
   /// to the discretisation. Throws what a process met with.
   DealtMatrices(const Discretisation& discretisation, const StateLayout& layout,
@@ -34,8 +28,11 @@ public:
   const std::vector<Vector>& weights() const { return weights_; }
   int processes() const { return processes_; }
   int n_unknowns() const { return n_unknowns_; }
-  /// `x`: a state, or the unknowns alone where its other values are 0.
-  void products(int matrix, const Vector& x, Products& out) const;
+  /// `x`: a state, or the unknowns alone where its other values are 0. A x, and |A_ii| max |x_j|
+  /// over the columns of row i.
+  void product(int matrix, const Vector& x, Vector& product, Vector& whole) const;
+  /// |A| |x|
+  void magnitude(int matrix, const Vector& x, Vector& out) const;
   Vector diagonal(int matrix) const;
   /// add_rounding (rounding.hpp) of base b.
   void add_rounding(int b, const Vector& state, double unit, RoundingForces& forces,
@@ -87,21 +84,24 @@ public:
   DealtRows rows() const;
 
   int size() const override { return all_.n_unknowns(); }
-  void apply(const Vector& x, Vector& y) const override { y = products(x).product; }
-  void apply_magnitude(const Vector& x, Vector& y) const override { y = products(x).magnitude; }
+  void apply(const Vector& x, Vector& y) const override { y = last(x).product; }
+  void apply_magnitude(const Vector& x, Vector& y) const override { all_.magnitude(number_, x, y); }
   Vector diagonal() const override { return diagonal_; }
   Vector own_stiffness() const override { return diagonal_.cwiseAbs(); }
   std::function<double(int)> whole_sizes(const Vector& x) const override;
   Pieces pieces() const override { return all_.pieces(); }
-  /// All at once; those of the last x are kept.
-  const DealtMatrices::Products& products(const Vector& x) const;
 
 private:
+  /// What was made of the last x.
+  struct Last {
+    Vector x, product, whole;
+  };
+  const Last& last(const Vector& x) const;
+
   DealtMatrices& all_;
   int number_;
   Vector diagonal_;
-  mutable Vector last_;
-  mutable DealtMatrices::Products of_last_;
+  mutable Last last_;
 };
 
 } // namespace hvi::solver

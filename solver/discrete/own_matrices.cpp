@@ -198,8 +198,12 @@ std::string OwnMatrices::answer(std::string_view message) {
   std::string out;
   switch (errand.what) {
   case MatrixErrand::products:
-    out = room_for(3 * n);
+    out = room_for(2 * n);
     rows.products(errand.matrix, numbers, numbers_of(out));
+    break;
+  case MatrixErrand::magnitudes:
+    out = room_for(n);
+    rows.magnitudes(errand.matrix, numbers, numbers_of(out));
     break;
   case MatrixErrand::diagonal:
     out = room_for(n);

@@ -26,15 +26,16 @@ struct DistinctForms {
 /// A message is this, and numbers behind it: what `what` asks for, of the matrices `set`.
 struct MatrixErrand {
   enum What : int {
-    assemble, ///< bytes of put_assembly, to be answered as assembled() reads it
-    products, ///< OwnRows::products of these columns
-    diagonal, ///< OwnRows::diagonal
-    sum,      ///< OwnRows::combine by these coefficients
-    place,    ///< OwnRows::place, `number` for the rows that are no unknown's
-    leave,    ///< OwnRows::leave
-    rounding, ///< rounding_of_rows by the unit `number` of these columns and, behind, their sizes
-    forget,   ///< the matrix
-    end       ///< of the set
+    assemble,   ///< bytes of put_assembly, to be answered as assembled() reads it
+    products,   ///< OwnRows::products of these columns
+    magnitudes, ///< OwnRows::magnitudes
+    diagonal,   ///< OwnRows::diagonal
+    sum,        ///< OwnRows::combine by these coefficients
+    place,      ///< OwnRows::place, `number` for the rows that are no unknown's
+    leave,      ///< OwnRows::leave
+    rounding,   ///< rounding_of_rows by the unit `number` of these columns and, behind, their sizes
+    forget,     ///< the matrix
+    end         ///< of the set
   };
   std::uint64_t set = 0;
   What what = end;

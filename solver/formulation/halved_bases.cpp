@@ -38,9 +38,9 @@ const SparseMatrix& base_by_rows(const Operators& operators, int b, SparseMatrix
 void add_magnitude_of_base(const Operators& operators, int b, double factor, const Vector& x,
                            Vector& y) {
   if (operators.dealt) {
-    DealtMatrices::Products of;
-    operators.dealt->products(b, x, of);
-    y += factor * of.magnitude;
+    Vector of;
+    operators.dealt->magnitude(b, x, of);
+    y += factor * of;
     return;
   }
   SparseMatrix room;
@@ -53,9 +53,8 @@ void add_magnitude_of_base(const Operators& operators, int b, double factor, con
 void product_of_base(const Operators& operators, int b, const Vector& x, Vector& y) {
   const auto at = static_cast<std::size_t>(b);
   if (operators.dealt) {
-    DealtMatrices::Products of;
-    operators.dealt->products(b, x, of);
-    y.swap(of.product);
+    Vector whole;
+    operators.dealt->product(b, x, y, whole);
     return;
   }
   if (operators.halves.empty()) {

@@ -39,6 +39,11 @@ OwnRows::OwnRows(std::vector<SparseMatrix> bases, PlacedRows placed)
   const SparseMatrix pattern = pattern_of_all(bases);
   start_.assign(pattern.outerIndexPtr(), pattern.outerIndexPtr() + pattern.rows() + 1);
   column_.assign(pattern.innerIndexPtr(), pattern.innerIndexPtr() + pattern.nonZeros());
+  for (int i = 0; i < rows(); ++i) {
+    const auto begin = column_.begin() + start_[i], end = column_.begin() + start_[i + 1];
+    const auto at = std::lower_bound(begin, end, i);
+    own_.push_back(at != end && *at == i ? static_cast<int>(at - column_.begin()) : -1);
+  }
   for (int b = 0; b < bases_; ++b) {
     SparseMatrix& base = bases[static_cast<std::size_t>(b)];
     values_[b] = values_in(pattern, base);
@@ -46,27 +51,40 @@ OwnRows::OwnRows(std::vector<SparseMatrix> bases, PlacedRows placed)
   }
 }
 
+/// Four sums at a time: one would wait for its own last addition.
 void OwnRows::products(int a, std::span<const double> x, std::span<double> out) const {
   const double* const value = values(a).data();
-  double *product = out.data(), *magnitude = product + rows(), *whole = magnitude + rows();
+  const int* const column = column_.data();
+  double *product = out.data(), *whole = product + rows();
   for (int i = 0; i < rows(); ++i) {
-    double sum = 0.0, size = 0.0, largest = 0.0, own = 0.0;
-    for (int e = start_[i]; e < start_[i + 1]; ++e) {
-      const double of = x[column_[e]], term = value[e] * of;
-      sum += term;
-      size += std::abs(term);
-      largest = std::max(largest, std::abs(of));
-      if (column_[e] == i) own = std::abs(value[e]);
+    double sum[4] = {}, largest[4] = {};
+    const int end = start_[i + 1];
+    int e = start_[i];
+    for (; e + 4 <= end; e += 4)
+      for (int k = 0; k < 4; ++k) {
+        const double of = x[column[e + k]];
+        sum[k] += value[e + k] * of;
+        largest[k] = std::max(largest[k], std::abs(of));
+      }
+    for (; e < end; ++e) {
+      sum[0] += value[e] * x[column[e]];
+      largest[0] = std::max(largest[0], std::abs(x[column[e]]));
     }
-    product[i] = sum, magnitude[i] = size, whole[i] = own * largest;
+    const int own = own_[i];
+    product[i] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    whole[i] = own < 0 ? 0.0
+                       : std::abs(value[own]) * std::max(std::max(largest[0], largest[1]),
+                                                         std::max(largest[2], largest[3]));
   }
 }
 
-void OwnRows::diagonal(int a, std::span<double> out) const {
+void OwnRows::magnitudes(int a, std::span<const double> x, std::span<double> out) const {
   std::ranges::fill(out, 0.0);
-  for_entries(a, [&](int i, int j, double value) {
-    if (i == j) out[i] = value;
-  });
+  for_entries(a, [&](int i, int j, double value) { out[i] += std::abs(value * x[j]); });
+}
+
+void OwnRows::diagonal(int a, std::span<double> out) const {
+  for (int i = 0; i < rows(); ++i) out[i] = own_[i] < 0 ? 0.0 : values(a)[own_[i]];
 }
 
 void OwnRows::combine(int a, std::span<const double> gamma) {

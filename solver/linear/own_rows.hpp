@@ -34,10 +34,11 @@ public:
   int rows() const { return static_cast<int>(start_.size()) - 1; }
   int columns() const { return static_cast<int>(placed_.column.size()); }
 
-  /// Of each row i of matrix a:  (A x)_i,  (|A| |x|)_i  and  |A_ii| max |x_j| over its columns.
-  /// `out`: these, three times rows().
+  /// Of each row i of matrix a  (A x)_i,  and behind them  |A_ii| max |x_j| over its columns.
   void products(int a, std::span<const double> x, std::span<double> out) const;
-  /// |A_ii|
+  /// (|A| |x|)_i
+  void magnitudes(int a, std::span<const double> x, std::span<double> out) const;
+  /// A_ii
   void diagonal(int a, std::span<double> out) const;
   /// Matrix a becomes sum_b gamma_b T_b.
   void combine(int a, std::span<const double> gamma);
@@ -60,6 +61,7 @@ private:
   const std::vector<double>& values(int a) const { return values_.at(a); }
 
   std::vector<int> start_, column_; ///< of all matrices
+  std::vector<int> own_;            ///< by row where its diagonal is; -1: nowhere
   int bases_;
   std::map<int, std::vector<double>> values_; ///< by matrix, in the order of the columns
   std::map<int, Placed> placed_arrays_;

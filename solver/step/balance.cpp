@@ -119,9 +119,10 @@ EquationResidual Balance::residual(const StepEquation& equation, StepMatrix& mat
 void Balance::find_gap_and_scale(const StepMatrix& matrix, const Vector& d, const Vector& rhs,
                                  Vector& gap) {
   if (matrix.dealt() == nullptr) return gap_and_scale(matrix.k(), d, rhs, gap, scale_);
-  const DealtMatrices::Products& of = matrix.dealt()->products(d);
-  gap = rhs - of.product;
-  scale_ = of.magnitude + rhs.cwiseAbs();
+  matrix.dealt()->apply(d, gap);
+  gap = rhs - gap;
+  matrix.dealt()->apply_magnitude(d, scale_);
+  scale_ += rhs.cwiseAbs();
 }
 
 double Balance::error_of(const StepMatrix& matrix, const Vector& d, const Vector& gap,

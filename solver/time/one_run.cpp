@@ -226,7 +226,8 @@ double OneRun::nothing_of_multipliers(const StepMatrix* matrix) const {
   double out = 0.0;
   if (matrix == nullptr) return out;
   const DealtMatrix* const dealt = matrix->dealt();
-  const Vector all = dealt != nullptr ? dealt->products(u.head(dealt->size())).magnitude : Vector();
+  Vector all;
+  if (dealt != nullptr) dealt->apply_magnitude(u.head(dealt->size()), all);
   const auto rows = dealt != nullptr ? all.size() : matrix->k().rows();
   for (int i = 0; i < std::min(force.rows(), rows); ++i) {
     double weight = 0.0;
