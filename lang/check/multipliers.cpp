@@ -44,8 +44,8 @@ void Multipliers::name_on_part(int part, Symbol& expression) const {
           for (const LawUse& earlier : other.integrand.laws) {
             if (earlier.name == use.name && first != application &&
                 expression.depends_on_any(slot::multiplier(first, 0),
-                                          slot::multiplier(first, slot::rows_of_multiplier)))
-              for (int k = 0; k < 3; ++k)
+                                          slot::multiplier(first, slot::most_arguments)))
+              for (int k = 0; k < slot::most_arguments; ++k)
                 rename.emplace_back(slot::multiplier(first, k),
                                     Symbol::variable(slot::multiplier(application, k)));
             ++first;

@@ -36,7 +36,7 @@ int Sources::take_rule(ModelTerm& source, const Symbol& integrand) const {
   for (const ModelTerm& term : model_.terms)
     for (const LawUse& use : term.integrand.laws) {
       const solver::Slot first = slot::multiplier(application++, 0);
-      if (!integrand.depends_on_any(first, first + slot::rows_of_multiplier)) continue;
+      if (!integrand.depends_on_any(first, first + slot::most_arguments)) continue;
       if (!source.rule_given) source.rule = term.rule, source.rule_given = term.rule_given;
       return use.rule_of.value_or(use.unknown);
     }

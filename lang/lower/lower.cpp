@@ -108,7 +108,7 @@ private:
     }
     plan_.problem.histories = std::move(kept);
     for (std::size_t a = 0; a < applications_.size(); ++a)
-      for (int k = 0; k < 3; ++k)
+      for (int k = 0; k < slot::most_arguments; ++k)
         rename.emplace_back(slot::multiplier(static_cast<int>(a), k),
                             applications_[a] < 0
                                 ? Symbol(0.0)

@@ -65,7 +65,7 @@ int order_of_points(const Space& space, const LawTerm& term) {
 
 void check_shape(const SpaceBlock& block, const LawTerm& term, bool radial) {
   const bool scalar = !radial && term.rows.size() == 1;
-  if (!scalar && !(radial && !term.rows.empty() && term.rows.size() <= 3)) {
+  if (!scalar && !(radial && !term.rows.empty() && std::ssize(term.rows) <= slot::most_arguments)) {
     throw Failure(
         FailureKind::bad_value, term.origin,
         fmt::format("a {} law with {} arguments", radial ? "radial" : "scalar", term.rows.size()));

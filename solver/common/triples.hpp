@@ -1,4 +1,4 @@
-// Vectors of three numbers: places, normals, the rows of a contact point.
+// Vectors of three numbers: places, normals.
 #pragma once
 
 #include <array>

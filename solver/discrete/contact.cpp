@@ -224,7 +224,7 @@ std::vector<double> law_factors(const Contact& contact, const Vector& of_fields)
   if (contact.other_fields.empty() && std::ranges::all_of(contact.terms, sees_u_once)) return {};
   std::vector<double> out;
   for (const auto& term : contact.terms)
-    for (int row = 0; row < 3; ++row) {
+    for (int row = 0; row < slot::most_arguments; ++row) {
       double sum = 0.0;
       term.for_seen(std::min(row, term.points.rows - 1),
                     [&](int field, double times) { sum += times * of_fields[field]; });
@@ -336,11 +336,12 @@ void arguments_of(const Contact& contact, const Problem& problem, double t, cons
   }
 }
 
-std::array<double, 3> global_multiplier(const ContactTerm& term, const Vector& xi, int point) {
-  std::array<double, 3> out{};
+std::array<double, slot::most_arguments> global_multiplier(const ContactTerm& term,
+                                                           const Vector& xi, int point) {
+  std::array<double, slot::most_arguments> out{};
   const int rows = term.points.rows;
   const auto of_point = [&](int p) { return xi.segment(term.first_row + p * rows, rows); };
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> values = of_point(point);
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, slot::most_arguments, 1> values = of_point(point);
   if (!term.alike.empty() && term.alike[point].size() > 1) {
     double weight = 0.0;
     values.setZero();
@@ -354,8 +355,8 @@ std::array<double, 3> global_multiplier(const ContactTerm& term, const Vector& x
     out[0] = values[0];
     return out;
   }
-  const Vector global = term.points.frames[point] * values;
-  for (int i = 0; i < std::min<int>(3, static_cast<int>(global.size())); ++i) out[i] = global[i];
+  const DenseMatrix& frame = term.points.frames[point];
+  Eigen::Map<Vector>(out.data(), frame.rows()) = frame * values;
   return out;
 }
 

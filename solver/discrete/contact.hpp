@@ -164,12 +164,13 @@ void add_arguments(const Contact& contact, const LawFields& fields, Vector& z);
 void arguments_of(const Contact& contact, const Problem& problem, double t, const LawFields& fields,
                   Vector& z);
 
-/// The factors s of the rows of every law term, three each, from those of the fields; empty where
-/// all laws act on u.
+/// The factors s of the rows of every law term, as many each as laws have arguments at most, from
+/// those of the fields; empty where all laws act on u.
 std::vector<double> law_factors(const Contact& contact, const Vector& of_fields);
 
 /// Multiplier of point p of a term in the global frame (scalar laws: component 0); the mean of
 /// points that are alike.
-std::array<double, 3> global_multiplier(const ContactTerm& term, const Vector& xi, int point);
+std::array<double, slot::most_arguments> global_multiplier(const ContactTerm& term,
+                                                           const Vector& xi, int point);
 
 } // namespace hvi::solver

@@ -49,7 +49,7 @@ bool is_of_states(const Problem& problem, int l) {
   return !states_read(problem, term).empty() ||
          std::ranges::any_of(problem.states, [&](const StateTerm& state) {
            return state.part == term.part &&
-                  state.rate.depends_on_any(first, first + slot::rows_of_multiplier);
+                  state.rate.depends_on_any(first, first + slot::most_arguments);
          });
 }
 

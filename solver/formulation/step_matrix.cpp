@@ -54,7 +54,7 @@ void StepMatrix::restore(std::istream& in) {
   get_vector(r, saved);
   if (!saved.allFinite()) r.fail("is inconsistent");
   law_factors_ = r.get_vector<double>();
-  if (!law_factors_.empty() && law_factors_.size() != 3 * contact_.terms.size())
+  if (!law_factors_.empty() && law_factors_.size() != slot::most_arguments * contact_.terms.size())
     r.fail("is inconsistent");
   for (const double factor : law_factors_)
     if (!(factor > 0.0)) r.fail("is inconsistent");

@@ -37,7 +37,7 @@ public:
 private:
   const Contact& contact_;
   InequalityOptions options_;
-  std::vector<double> law_factors_; ///< three by law term; empty: they are 1
+  std::vector<double> law_factors_; ///< those of its rows by law term; empty: they are 1
   std::unique_ptr<ReducedOperator> reduced_;
   std::unique_ptr<InequalitySolver> solver_;
   Vector contact_diagonal_;

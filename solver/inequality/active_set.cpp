@@ -63,8 +63,7 @@ MethodOutcome ActiveSetNewton::step(Position& at, bool settled, InequalityReport
   // which its large stiffness would turn into an error of xi.
   for (int p = 0; p < points.size(); ++p) {
     const PointData& q = points[p];
-    const Small v = at.places.times_stiffness(p, q.of(dz_)), x0 = q.of(at.xi);
-    q.put(at.xi, {x0[0] + v[0], x0[1] + v[1], x0[2] + v[2]});
+    q.put(at.xi, q.of(at.xi) + at.places.times_stiffness(p, q.of(dz_)));
     if (q.exclusive && at.places.resting(p)) take_rest(points, p, step_.rest, at.xi);
   }
   at.update_arguments();

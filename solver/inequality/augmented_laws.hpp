@@ -30,13 +30,13 @@ public:
   void hand_over(Position& to) const;
 
   double shrink = 1.0;        ///< factor of gamma
-  Vector lambda, z_ref;       ///< per row: multiplier of jhat, point of linearisation
-  std::vector<SmallMatrix> d; ///< second derivatives, by point
+  Vector lambda, z_ref; ///< per row: multiplier of jhat, point of linearisation
+  PointMatrices d;      ///< second derivatives
 
 private:
   double shift(int p) const { return parts_ ? 0.0 : points_.law(p).component(component_[p]).m; }
   Small fall(int p, const Small& otherwise) const; ///< at z_ref; 0 without parts
-  SmallMatrix stiffness(int p, const Small& y, double size, double gamma) const;
+  void set_stiffness(int p, const Small& y, double size, double gamma);
 
   const ContactPoints& points_;
   const std::vector<int>& component_;

@@ -36,21 +36,22 @@ void ConjugateGradients::restore(int last_iterations, FarColumns columns, int se
 }
 
 /// Makes H, E and the preconditioner when the last factor is close to S + H.
-bool ConjugateGradients::is_close(const std::vector<SmallMatrix>& d) {
+bool ConjugateGradients::is_close(const PointMatrices& d) {
   const ReducedOperator& op = factor_.op();
   if (!factor_.made() || !op.symmetric() || points_.unknowns < worth_iterating) return false;
   if (last_ > std::max(many_iterations, op.patience() / 2)) return last_ = 0, false;
   const std::size_t most = most_far_unknowns(op);
-  const std::vector<SmallMatrix>& factored = factor_.stiffnesses();
+  const PointMatrices& factored = factor_.stiffnesses();
   if (!find_far_points(points_, d, factored, most, far_)) return false;
   if (preconditioner_.columns().size() > 4 * most) return false;
   pattern_.assemble(d, h_);
   StiffnessPattern::clear(drift_);
-  SmallMatrix change;
+  change_ = d;
+  for (std::size_t k = 0; k < d.size(); ++k) change_[k] -= factored[k];
   for (int p = 0; p < points_.size(); ++p) {
-    if (far_.is_far[p] != 0 || d[p] == factored[p]) continue;
-    for (int k = 0; k < 9; ++k) change[k] = d[p][k] - factored[p][k];
-    pattern_.add(p, change, drift_);
+    const auto moved = points_[p].block(change_);
+    if (far_.is_far[p] == 0 && std::ranges::any_of(moved, [](double v) { return v != 0.0; }))
+      pattern_.add(p, moved, drift_);
   }
   return preconditioner_.prepare(far_, h_);
 }
@@ -58,7 +59,7 @@ bool ConjugateGradients::is_close(const std::vector<SmallMatrix>& d) {
 bool ConjugateGradients::solve(const Position& at, const Vector& residual, bool settled,
                                InequalityReport& report, TangentStep& out) {
   preconditioner_.keep_up();
-  const std::vector<SmallMatrix>& d = at.places.d;
+  const PointMatrices& d = at.places.d;
   const bool same = factor_.is_of(d);
   if (!same && is_close(d) && iterate(residual, settled, out))
     return finish_inexact(at, factor_.op(), h_, residual, out), true;

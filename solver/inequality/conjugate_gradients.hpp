@@ -30,7 +30,7 @@ public:
   void restore(int last_iterations, FarColumns columns, int served);
 
 private:
-  bool is_close(const std::vector<SmallMatrix>& d);
+  bool is_close(const PointMatrices& d);
   bool iterate(const Vector& residual, bool settled, TangentStep& out);
 
   const ContactPoints& points_;
@@ -39,6 +39,7 @@ private:
   Preconditioner preconditioner_;
   SparseMatrix h_, drift_; ///< H, E
   FarPoints far_;
+  PointMatrices change_;      ///< of the stiffnesses since the factor: room for `is_close`
   Vector r_, z_, p_, mp_, q_; ///< room for `iterate`
   int last_ = 0;
 };

@@ -11,6 +11,7 @@ namespace hvi::solver {
 bool is_convex(const ContactPoints& points, const StiffnessPattern& pattern, LastFactor& factor) {
   bool softens = false;
   SparseMatrix h = pattern.zero();
+  PointMatrices d = points.no_matrices();
   for (int p = 0; p < points.size(); ++p) {
     const PreparedLaw& law = points.law(p);
     double m = 0.0;
@@ -21,11 +22,10 @@ bool is_convex(const ContactPoints& points, const StiffnessPattern& pattern, Las
     const bool mixed = std::ranges::any_of(share, [](double s) { return s != 1.0; });
     if (mixed || law.components() > 1 || !std::isfinite(m) || !proved) return false;
     softens = softens || m > 0.0;
-    SmallMatrix d{};
-    for (int i = 0; i < points[p].rows; ++i) d[4 * i] = -m;
-    pattern.add(p, d, h);
+    points[p].put_multiple(d, -m);
   }
   if (!softens) return true;
+  pattern.assemble(d, h);
   // Where S is not symmetric, a factor does not show whether the sum is positive definite.
   return factor.op().symmetric() && factor.make_other(h) && factor.op().definite();
 }

@@ -76,7 +76,7 @@ double CoupledBounds::slope_rate(const CoupledBound& b) const {
 Small CoupledBounds::slip(const CoupledBound& b) const {
   const Small z = points_[b.point].of(at_.places.z_hat);
   const double r = norm(z);
-  return r > 0.0 ? Small{z[0] / r, z[1] / r, z[2] / r} : Small{};
+  return r > 0.0 ? Small(z / r) : Small(Small::Zero(z.size()));
 }
 
 } // namespace hvi::solver

@@ -63,7 +63,7 @@ void solve_coupled(EngineParts& parts, const Vector& r, StepStart& start, Inequa
   at.z_start = at.z;
   std::vector<int> components = at.places.component;
   CoupledBounds bounds(parts.points, at);
-  CoupledTangent tangent(at, bounds, parts.factor.op());
+  CoupledTangent tangent(at, bounds, parts.pattern, parts.factor.op());
   CoupledNewton newton(at, bounds, tangent, parts.options.tolerance, report);
   const CoupledPlace last = newton.here();
   if (!newton.solve(most_coupled)) {

@@ -3,14 +3,17 @@
 
 namespace hvi::solver {
 
-CoupledTangent::CoupledTangent(Position& at, const CoupledBounds& bounds, const ReducedOperator& s)
-    : at_(at), bounds_(bounds), lu_(s.unsymmetric()) {}
+CoupledTangent::CoupledTangent(Position& at, const CoupledBounds& bounds,
+                               const StiffnessPattern& pattern, const ReducedOperator& s)
+    : at_(at), bounds_(bounds), pattern_(pattern), lu_(s.unsymmetric()), plain_(pattern.zero()),
+      by_bounds_(at.points.unknowns, at.points.unknowns) {}
 
 /// H = sum_p w_p G_p^T D_p G_p, and w_t G_t^T e (d slope / d multiplier) D_n G_n for coupled
 /// points.
 void CoupledTangent::assemble() {
   const ContactPoints& points = at_.points;
   const SparseMatrix& g = points.g;
+  pattern_.assemble(at_.places.d, plain_);
   entries_.clear();
   const auto add = [&](int row, int column, double factor) {
     if (factor == 0.0) return;
@@ -19,21 +22,14 @@ void CoupledTangent::assemble() {
         entries_.emplace_back(static_cast<int>(i.col()), static_cast<int>(j.col()),
                               factor * i.value() * j.value());
   };
-  for (int p = 0; p < points.size(); ++p) {
-    const PointData& q = points[p];
-    for (int a = 0; a < q.rows; ++a)
-      for (int b = 0; b < q.rows; ++b)
-        add(q.first + a, q.first + b, q.weight * q.share[a] * at_.places.d[p][3 * a + b]);
-  }
   for (const CoupledBound& b : bounds_.all) {
     const PointData &q = points[b.point], &other = points[b.normal];
     const Small e = bounds_.slip(b);
     for (int a = 0; a < q.rows; ++a)
       add(q.first + a, other.first,
-          q.weight * q.share[a] * e[a] * b.rate * at_.places.d[b.normal][0]);
+          q.weight * q.share[a] * e[a] * b.rate * other.block(at_.places.d)[0]);
   }
-  matrix_.resize(points.unknowns, points.unknowns);
-  matrix_.setFromTriplets(entries_.begin(), entries_.end());
+  by_bounds_.setFromTriplets(entries_.begin(), entries_.end());
 }
 
 void CoupledTangent::add_slip(const CoupledBound& b, double size, Vector& xi) const {
@@ -47,11 +43,13 @@ void CoupledTangent::add_linear_change(const Vector& dc, Vector& xi) const {
   const ContactPoints& points = at_.points;
   const Vector dz = points.g * dc;
   for (int p = 0; p < points.size(); ++p) {
-    const Small v = at_.places.times_stiffness(p, points[p].of(dz)), x = points[p].of(xi);
-    points[p].put(xi, {x[0] + v[0], x[1] + v[1], x[2] + v[2]});
+    const PointData& q = points[p];
+    q.put(xi, q.of(xi) + at_.places.times_stiffness(p, q.of(dz)));
   }
-  for (const CoupledBound& b : bounds_.all)
-    add_slip(b, b.rate * at_.places.d[b.normal][0] * dz[points[b.normal].first], xi);
+  for (const CoupledBound& b : bounds_.all) {
+    const PointData& normal = points[b.normal];
+    add_slip(b, b.rate * normal.block(at_.places.d)[0] * dz[normal.first], xi);
+  }
 }
 
 bool CoupledTangent::step(CoupledStep& out, InequalityReport& report) {
@@ -64,7 +62,7 @@ bool CoupledTangent::step(CoupledStep& out, InequalityReport& report) {
   const Vector& residual = at_.balance.residual(out.xi);
   assemble();
   ++report.factorisations, ++report.iterations;
-  if (!lu_->factor(matrix_, {})) return false;
+  if (!lu_->factor(plain_ + by_bounds_, {})) return false;
   lu_->solve(residual, out.c);
   if (!out.c.allFinite()) return false;
   add_linear_change(out.c, out.xi);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "solver/inequality/coupled_bounds.hpp"
+#include "solver/inequality/stiffness.hpp"
 
 #include <memory>
 
@@ -15,7 +16,8 @@ struct CoupledStep {
 
 class CoupledTangent {
 public:
-  CoupledTangent(Position& at, const CoupledBounds& bounds, const ReducedOperator& s);
+  CoupledTangent(Position& at, const CoupledBounds& bounds, const StiffnessPattern& pattern,
+                 const ReducedOperator& s);
   /// The change of c, and the multipliers after the full step; false: no regular matrix.
   bool step(CoupledStep& out, InequalityReport& report);
   /// What (c, xi) of a linear step change with the share. Needs the last factor.
@@ -29,8 +31,9 @@ private:
 
   Position& at_;
   const CoupledBounds& bounds_;
+  const StiffnessPattern& pattern_;
   std::unique_ptr<ReducedOperator> lu_;
-  SparseMatrix matrix_; ///< H
+  SparseMatrix plain_, by_bounds_; ///< their sum is H
   std::vector<Eigen::Triplet<double>> entries_;
 };
 

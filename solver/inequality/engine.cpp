@@ -28,10 +28,8 @@ std::string verdict(MethodOutcome outcome, const InequalityReport& report, doubl
 
 /// Does no law act, neither with a force nor with a stiffness?
 bool is_idle(const Position& at) {
-  for (int p = 0; p < at.points.size(); ++p)
-    if (at.places.d[p] != SmallMatrix{} || at.points[p].of(at.places.xi_hat) != Small{})
-      return false;
-  return true;
+  return std::ranges::all_of(at.places.d, [](double v) { return v == 0.0; }) &&
+         at.places.xi_hat.isZero(0.0);
 }
 
 } // namespace

@@ -78,11 +78,9 @@ double AugmentedProblem::slope_at(const Line& line, double t, double unit) {
   for (int i = 0; i < points.unknowns; ++i)
     sum += line.direction[i] / unit * (line.s_c[i] + t * line.s_direction[i] - load[i]);
   for (int p = 0; p < points.size(); ++p) {
-    Small z = points[p].of(line.z);
-    const Small dz = points[p].of(line.z_direction);
-    for (int i = 0; i < 3; ++i) z[i] += t * dz[i];
+    const Small dz = points[p].of(line.z_direction), z = points[p].of(line.z) + t * dz;
     const Small x = laws.in_equation(p, laws.evaluate(p, z, false), z);
-    for (int i = 0; i < 3; ++i) sum += points[p].weight * (dz[i] / unit) * x[i];
+    sum += points[p].weight * (dz / unit).dot(x);
   }
   return sum;
 }

@@ -25,31 +25,40 @@ DenseMatrix inner(const DenseMatrix& a, const DenseMatrix& b) {
   return out;
 }
 
-bool holds_some(const SmallMatrix& d, const PointData& q) {
-  return std::any_of(d.begin(), d.end(),
-                     [&](double v) { return std::abs(v) * q.local > holding_stiffness; });
+bool holds_some(const PointMatrices& d, const PointData& q) {
+  return std::ranges::any_of(
+      q.block(d), [&](double v) { return std::abs(v) * q.local > holding_stiffness; });
+}
+
+bool is_close(const PointData& q, const PointMatrices& d, const PointMatrices& d_factored) {
+  const auto now = q.block(d), then = q.block(d_factored);
+  for (std::size_t k = 0; k < now.size(); ++k)
+    if (!(std::abs(now[k] - then[k]) * q.local <= far_away)) return false;
+  return true;
 }
 
 /// Adds the unknowns of a far point, which no other point uses, to the freed or the changed ones.
 /// False: the factor holds it along one direction.
-bool add_far(const ContactPoints& points, int p, const SmallMatrix& d,
-             const SmallMatrix& d_factored, FarPoints& out) {
+bool add_far(const ContactPoints& points, int p, const PointMatrices& d,
+             const PointMatrices& d_factored, FarPoints& out) {
   const PointData& q = points[p];
   const bool held = holds_all(d_factored, q);
   if (!held && holds_some(d_factored, q)) return false;
-  int unknown[3] = {};
-  double g[3] = {};
+  out.most_rows = std::max(out.most_rows, q.rows);
+  int unknown[slot::most_arguments] = {};
+  double g[slot::most_arguments] = {};
   for (int a = 0; a < q.rows; ++a)
     for (SparseMatrix::InnerIterator it(points.g, q.first + a); it; ++it)
       if (it.value() != 0.0) unknown[a] = static_cast<int>(it.col()), g[a] = it.value();
   const bool now_held = holds_all(d, q);
+  const auto now = q.block(d), then = q.block(d_factored);
   for (int a = 0; a < q.rows; ++a) {
     if (held) {
       out.freed.push_back(unknown[a]);
       continue;
     }
     for (int b = 0; b < q.rows; ++b) {
-      const double change = d[3 * a + b] - d_factored[3 * a + b];
+      const double change = now[q.rows * a + b] - then[q.rows * a + b];
       const auto row = static_cast<int>(out.changed.size());
       out.delta.push_back({row, row - a + b, q.weight * g[a] * g[b] * change, now_held && a == b});
     }
@@ -60,17 +69,16 @@ bool add_far(const ContactPoints& points, int p, const SmallMatrix& d,
 
 } // namespace
 
-bool find_far_points(const ContactPoints& points, const std::vector<SmallMatrix>& d,
-                     const std::vector<SmallMatrix>& d_factored, std::size_t most, FarPoints& out) {
+bool find_far_points(const ContactPoints& points, const PointMatrices& d,
+                     const PointMatrices& d_factored, std::size_t most, FarPoints& out) {
   out.freed.clear(), out.changed.clear(), out.delta.clear();
-  out.is_far.resize(d.size());
+  out.most_rows = 1;
+  out.is_far.resize(points.data.size());
   for (int p = 0; p < points.size(); ++p) {
-    bool close = true;
-    for (int k = 0; k < 9; ++k)
-      close = close && std::abs(d[p][k] - d_factored[p][k]) * points[p].local <= far_away;
+    const bool close = is_close(points[p], d, d_factored);
     out.is_far[p] = !close;
     if (close) continue;
-    if (!points[p].exclusive || !add_far(points, p, d[p], d_factored[p], out)) return false;
+    if (!points[p].exclusive || !add_far(points, p, d, d_factored, out)) return false;
     if (out.unknowns() > most) return false;
   }
   return true;
@@ -118,8 +126,9 @@ void FreedUnknowns::make_block(const FarColumns& columns, const ReducedOperator&
 }
 
 /// Y and S_RR - S_RF Y are as they are while R and the factor stay.
-bool FreedUnknowns::prepare(const std::vector<int>& freed, const FarColumns& columns,
+bool FreedUnknowns::prepare(const FarPoints& far, const FarColumns& columns,
                             const ReducedOperator& s, const SparseMatrix& h, double unit) {
+  const std::vector<int>& freed = far.freed;
   unit_ = unit;
   if (freed != unknowns_ || y_.rows() != s.size()) {
     unknowns_ = freed;
@@ -127,9 +136,10 @@ bool FreedUnknowns::prepare(const std::vector<int>& freed, const FarColumns& col
   }
   const auto m = static_cast<Eigen::Index>(freed.size());
   DenseMatrix c = block_;
-  // H couples the unknowns of one point only: they stand next to each other, at most three.
+  // H couples the unknowns of one point only: they stand next to each other.
+  const Eigen::Index rows = far.most_rows;
   for (Eigen::Index b = 0; b < m; ++b)
-    for (Eigen::Index a = std::max<Eigen::Index>(0, b - 2); a < std::min(b + 3, m); ++a)
+    for (Eigen::Index a = std::max<Eigen::Index>(0, b - rows + 1); a < std::min(b + rows, m); ++a)
       c(a, b) += h.coeff(freed[a], freed[b]) / unit_;
   factor_ = DenseCholesky(c);
   return factor_.positive();

@@ -19,13 +19,14 @@ struct FarPoints {
   };
   std::vector<int> freed, changed; ///< R and Q
   std::vector<Change> delta;
+  int most_rows = 1;        ///< of one of them
   std::vector<char> is_far; ///< by point
   std::size_t unknowns() const { return freed.size() + changed.size(); }
 };
 
 /// False when one of them shares its unknowns, or when they have more than `most` of them.
-bool find_far_points(const ContactPoints& points, const std::vector<SmallMatrix>& d,
-                     const std::vector<SmallMatrix>& d_factored, std::size_t most, FarPoints& out);
+bool find_far_points(const ContactPoints& points, const PointMatrices& d,
+                     const PointMatrices& d_factored, std::size_t most, FarPoints& out);
 
 /// By unknown: M^-1 S e_i of freed ones, M^-1 e_i of changed ones.
 using FarColumns = std::unordered_map<int, Vector>;
@@ -37,7 +38,7 @@ class FreedUnknowns {
 public:
   void forget(); ///< the factor is another one
   /// False: C has no factor.
-  bool prepare(const std::vector<int>& freed, const FarColumns& columns, const ReducedOperator& s,
+  bool prepare(const FarPoints& far, const FarColumns& columns, const ReducedOperator& s,
                const SparseMatrix& h, double unit);
   const DenseMatrix& y() const { return y_; }
   Vector displaced(const Vector& t) const;                 ///< C^-1 t

@@ -17,12 +17,13 @@ double least_at_break(const LawGraph& g, int i) {
 
 Small least_multiplier(const PreparedLaw& law, const Small& z) {
   const double r = size_of(law, z);
-  if (law.radial() && !(r > 0.0)) return {};
+  const auto rows = static_cast<int>(z.size());
+  if (law.radial() && !(r > 0.0)) return Small::Zero(rows);
   const Interval all = clarke(law.law(), law.graph(), r);
   const double least = std::clamp(0.0, all.low, all.high);
   const double s = std::abs(least) < unbounded_slope ? least : 0.0;
-  if (!law.radial()) return {s, 0.0, 0.0};
-  return {s * (z[0] / r), s * (z[1] / r), s * (z[2] / r)};
+  if (!law.radial()) return along_first(rows, s);
+  return s * (z / r);
 }
 
 /// Where z is imposed the place follows from it, and no multiplier changes anything.
@@ -35,14 +36,14 @@ void GraphStates::enter_given(int p, const Small& z) {
   state[p] = law.radial() && !(r > 0.0) ? -1 : 2 * piece;
   if (state[p] >= 0 && at_break && law.valid_state(2 * piece + 1)) state[p] = 2 * piece + 1;
   component[p] = law.component_of_piece(piece);
-  d[p].fill(0.0);
+  std::ranges::fill(points_[p].block(d), 0.0);
   points_[p].put(z_hat, z);
   points_[p].put(xi_hat, least_multiplier(law, z));
 }
 
 GraphStates::GraphStates(const ContactPoints& points)
     : state(points.size()), component(points.size()), z_hat(Vector::Zero(points.rows)),
-      xi_hat(z_hat), d(points.size()), points_(points) {}
+      xi_hat(z_hat), d(points.no_matrices()), points_(points) {}
 
 bool GraphStates::resting(int p) const {
   if (state[p] < 0) return true;
@@ -60,18 +61,20 @@ void GraphStates::settle(int p, Vector& c) const {
 }
 
 Small GraphStates::times_stiffness(int p, const Small& v) const {
-  const auto& m = d[p];
-  return {m[0] * v[0] + m[1] * v[1] + m[2] * v[2], m[3] * v[0] + m[4] * v[1] + m[5] * v[2],
-          m[6] * v[0] + m[7] * v[1] + m[8] * v[2]};
+  const PointData& q = points_[p];
+  const double* entry = q.block(d).data();
+  Small out(q.rows);
+  for (int i = 0; i < q.rows; ++i) {
+    double sum = 0.0;
+    for (int j = 0; j < q.rows; ++j) sum += *entry++ * v[j];
+    out[i] = sum;
+  }
+  return out;
 }
 
 Small GraphStates::on_tangent(int p, const Vector& z) const {
   const PointData& q = points_[p];
-  Small v = q.of(z);
-  const Small base = q.of(z_hat), x0 = q.of(xi_hat);
-  for (int i = 0; i < 3; ++i) v[i] -= base[i];
-  v = times_stiffness(p, v);
-  return {x0[0] + v[0], x0[1] + v[1], x0[2] + v[2]};
+  return q.of(xi_hat) + times_stiffness(p, q.of(z) - q.of(z_hat));
 }
 
 /// A point at a break is held there by a large stiffness around its present multiplier; repeated
@@ -83,31 +86,29 @@ void GraphStates::linearise(int p, const GraphPoint& hit, const Small& e, const 
   const bool at_break = hit.state < 0 || hit.state % 2 == 1;
   const bool comes = at_break && !q.exclusive && state[p] != hit.state;
   state[p] = hit.state;
-  auto& m = d[p];
-  m.fill(0.0);
+  const auto m = q.block(d);
   if (!law.radial()) {
     m[0] = at_break ? q.penalty : std::clamp(hit.d, -q.penalty, q.penalty);
-    q.put(z_hat, {hit.z, 0.0, 0.0});
-    if (!at_break)
-      q.put(xi_hat, {hit.s, 0.0, 0.0});
-    else
-      q.put(xi_hat, comes ? Small{least_at_break(law.graph(), hit.state / 2), 0.0, 0.0} : q.of(xi));
+    z_hat[q.first] = hit.z;
+    xi_hat[q.first] = !at_break ? hit.s
+                      : comes   ? least_at_break(law.graph(), hit.state / 2)
+                                : xi[q.first];
     return;
   }
   if (hit.state < 0) {
-    for (int k = 0; k < q.rows; ++k) m[4 * k] = q.penalty;
-    q.put(z_hat, {});
-    q.put(xi_hat, comes ? Small{} : q.of(xi));
+    q.put_multiple(d, q.penalty);
+    q.put(z_hat, Small::Zero(q.rows));
+    q.put(xi_hat, comes ? Small(Small::Zero(q.rows)) : q.of(xi));
     return;
   }
-  const double s = at_break ? dot(q.of(xi), e) : hit.s;
+  const double s = at_break ? q.of(xi).dot(e) : hit.s;
   const double across = std::min(s / hit.z, q.penalty);
   const double along = at_break ? q.penalty : std::clamp(hit.d, -q.penalty, q.penalty);
   for (int i = 0; i < q.rows; ++i)
     for (int j = 0; j < q.rows; ++j)
-      m[3 * i + j] = (along - across) * e[i] * e[j] + (i == j ? across : 0.0);
-  q.put(z_hat, {hit.z * e[0], hit.z * e[1], hit.z * e[2]});
-  q.put(xi_hat, {s * e[0], s * e[1], s * e[2]});
+      m[q.rows * i + j] = (along - across) * e[i] * e[j] + (i == j ? across : 0.0);
+  q.put(z_hat, hit.z * e);
+  q.put(xi_hat, s * e);
 }
 
 void GraphStates::enter(int p, const Vector& z, const Vector& xi) {
@@ -117,7 +118,7 @@ void GraphStates::enter(int p, const Vector& z, const Vector& xi) {
   if (points_[p].given) return enter_given(p, zp);
   const int i = state[p] / 2;
   if (state[p] < 0) return linearise(p, {-1, 0.0, 0.0, 0.0}, {}, xi);
-  const Small e = law.radial() ? direction_of(zp, xp) : Small{1.0, 0.0, 0.0};
+  const Small e = law.radial() ? direction_of(zp, xp) : Small();
   if (state[p] % 2 == 1) return linearise(p, {state[p], g.breaks[i], 0.0, 0.0}, e, xi);
   const LawComponent& k = law.component(component[p]);
   double r = size_of(law, zp);
@@ -141,10 +142,9 @@ void GraphStates::classify(int p, const Vector& z, const Vector& xi, double shri
   const LawComponent& k = law.component(component[p]);
   const double gamma = q.gamma * shrink;
   const Small zp = q.of(z), xp = q.of(xi);
-  Small y;
-  for (int i = 0; i < 3; ++i) y[i] = zp[i] + gamma * (xp[i] + k.m * zp[i]);
+  const Small y = zp + gamma * (xp + k.m * zp);
   const GraphPoint hint{state[p], size_of(law, zp), 0.0, 0.0};
-  const Small e = law.radial() ? direction_of(y, zp) : Small{1.0, 0.0, 0.0};
+  const Small e = law.radial() ? direction_of(y, zp) : Small();
   linearise(p, law.resolvent(component[p], size_of(law, y), gamma, hint), e, xi);
 }
 

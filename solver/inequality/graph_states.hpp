@@ -30,7 +30,7 @@ public:
 
   std::vector<int> state, component;
   Vector z_hat, xi_hat;
-  std::vector<SmallMatrix> d;
+  PointMatrices d;
 
 private:
   void enter_given(int p, const Small& z);

@@ -5,10 +5,11 @@
 
 namespace hvi::solver {
 
-bool holds_all(const SmallMatrix& d, const PointData& q) {
+bool holds_all(const PointMatrices& d, const PointData& q) {
+  const auto m = q.block(d);
   for (int i = 0; i < q.rows; ++i)
     for (int j = 0; j < q.rows; ++j) {
-      const double v = d[3 * i + j];
+      const double v = m[q.rows * i + j];
       if (i == j ? !(v * q.local > holding_stiffness) : v != 0.0) return false;
     }
   return true;
@@ -23,7 +24,7 @@ void LastFactor::find_held_unknowns() {
   held_.clear();
   for (int p = 0; p < points_.size(); ++p) {
     const PointData& q = points_[p];
-    if (!q.exclusive || !holds_all(d_[p], q)) continue;
+    if (!q.exclusive || !holds_all(d_, q)) continue;
     for (int row = q.first; row < q.first + q.rows; ++row)
       for (SparseMatrix::InnerIterator it(points_.g, row); it; ++it)
         if (it.value() != 0.0) held_.push_back(static_cast<int>(it.col()));
@@ -38,7 +39,7 @@ bool LastFactor::factor() {
   return made_ = op_.factor(h_, held_);
 }
 
-bool LastFactor::make(const std::vector<SmallMatrix>& d, InequalityReport& report) {
+bool LastFactor::make(const PointMatrices& d, InequalityReport& report) {
   if (is_of(d)) return true;
   ++report.factorisations;
   d_ = d;
@@ -51,7 +52,7 @@ bool LastFactor::make_other(const SparseMatrix& h) {
   return op_.factor(h, {});
 }
 
-void LastFactor::remake(std::vector<SmallMatrix> d, bool made) {
+void LastFactor::remake(PointMatrices d, bool made) {
   d_ = std::move(d);
   made_ = false;
   if (made) factor();

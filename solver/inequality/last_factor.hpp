@@ -14,16 +14,16 @@ public:
              TangentStep& out) override;
 
   /// Factors S + H unless that is what is factored already. False: there is no factor.
-  bool make(const std::vector<SmallMatrix>& d, InequalityReport& report);
+  bool make(const PointMatrices& d, InequalityReport& report);
   /// Factors S + h for an h that no step of Newton's has; the next step begins anew.
   bool make_other(const SparseMatrix& h);
   void forget() { made_ = false; } ///< what it was made of has changed
   /// The factor of these stiffnesses again, or none, where a saved solver had none.
-  void remake(std::vector<SmallMatrix> d, bool made);
+  void remake(PointMatrices d, bool made);
 
   bool made() const { return made_; }
-  bool is_of(const std::vector<SmallMatrix>& d) const { return made_ && d == d_; }
-  const std::vector<SmallMatrix>& stiffnesses() const { return d_; }
+  bool is_of(const PointMatrices& d) const { return made_ && d == d_; }
+  const PointMatrices& stiffnesses() const { return d_; }
   int number() const { return number_; } ///< of the factors made: another factor, another number
   ReducedOperator& op() const { return op_; }
 
@@ -36,7 +36,7 @@ private:
   ReducedOperator& op_;
   SparseMatrix h_;
   std::vector<int> held_; ///< unknowns that no factor needs
-  std::vector<SmallMatrix> d_;
+  PointMatrices d_;
   bool made_ = false;
   int number_ = 0;
 };
@@ -44,6 +44,6 @@ private:
 /// Stiffness over that of the body: beyond it a point counts as held.
 constexpr double holding_stiffness = 1e6;
 /// Are all rows of a point held alike? (At the origin, or at a break of a scalar law.)
-bool holds_all(const SmallMatrix& d, const PointData& q);
+bool holds_all(const PointMatrices& d, const PointData& q);
 
 } // namespace hvi::solver

@@ -9,8 +9,6 @@ namespace hvi::solver {
 
 namespace {
 
-Small scaled(double f, const Small& v) { return {f * v[0], f * v[1], f * v[2]}; }
-
 /// A slope of the point's component; at an end of the piece that the point is on that of this
 /// piece, not of its neighbour. One that stands for infinity is no multiplier: a state with it is
 /// no solution.
@@ -36,7 +34,7 @@ double certain_scalar(const Position& at, int p, double z, double xi) {
   const double s = slope_at(at.points.law(p), at.places.component[p], state, z);
   // Where the law is far stiffer than the body, rounding of z hides xi: the increments of Newton's
   // steps give it.
-  const double stiffness = std::abs(at.places.d[p][0]), slack = stiffness * tolerance;
+  const double stiffness = std::abs(q.block(at.places.d)[0]), slack = stiffness * tolerance;
   const bool stiff = state % 2 == 0 && stiffness * q.local > PointData::far_stiffer;
   return stiff ? std::clamp(xi, s - slack, s + slack) : s;
 }
@@ -49,11 +47,11 @@ Small certain_radial(const Position& at, int p, const Small& z, const Small& xi)
   // A slip that is nothing but rounding has no direction: that of xi counts there, too.
   if ((state == -1 || state == 0) && r <= tolerance) {
     const double ball = std::abs(law.on_component(component, 0.0).s), size = norm(xi);
-    return scaled(size > ball ? ball / size : 1.0, xi);
+    return size > ball ? ball / size * xi : xi;
   }
   const Small e = direction_of(z, xi);
   const bool at_break = state % 2 == 1 && state > 0 && std::abs(r - g.breaks[i]) <= tolerance;
-  return scaled(at_break ? clipped(g, i, dot(xi, e)) : slope_at(law, component, state, r), e);
+  return (at_break ? clipped(g, i, xi.dot(e)) : slope_at(law, component, state, r)) * e;
 }
 
 } // namespace
@@ -62,7 +60,7 @@ Small certain_multiplier(const Position& at, int p) {
   const Small z = at.points[p].of(at.z), xi = at.points[p].of(at.xi);
   if (at.points[p].given) return least_multiplier(at.points.law(p), z);
   if (at.points.law(p).radial()) return certain_radial(at, p, z, xi);
-  return {certain_scalar(at, p, z[0], xi[0]), 0.0, 0.0};
+  return along_first(at.points[p].rows, certain_scalar(at, p, z[0], xi[0]));
 }
 
 bool balance_point(const Position& at, int p, const Vector& residual, Vector& trial) {

@@ -9,9 +9,9 @@ namespace hvi::solver {
 Small direction_of(const Small& v, const Small& otherwise) {
   for (const Small* u : {&v, &otherwise}) {
     const double length = norm(*u);
-    if (length > 0.0) return {(*u)[0] / length, (*u)[1] / length, (*u)[2] / length};
+    if (length > 0.0) return *u / length;
   }
-  return {1.0, 0.0, 0.0};
+  return along_first(static_cast<int>(v.size()), 1.0);
 }
 
 PreparedLaws::PreparedLaws(const ReducedProblem& problem) : problem_(problem) {
@@ -108,17 +108,23 @@ ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperat
     for (SparseMatrix::InnerIterator it(g, row); it; ++it) users[it.col()] += it.value() != 0.0;
   std::vector<Eigen::Triplet<double>> weights;
   for (const ContactPoint& in : problem.points) {
-    if (!(in.weight > 0.0) || in.rows < 1 || in.rows > 3 || in.first_row + in.rows > rows)
+    constexpr int most_rows = slot::most_arguments;
+    if (!(in.weight > 0.0) || in.rows < 1 || in.rows > most_rows || in.first_row + in.rows > rows)
       throw Failure(FailureKind::bad_value, {},
-                    "a contact point needs a positive weight and 1 to 3 rows");
-    Small factor{1.0, 1.0, 1.0};
-    if (!factors.empty()) std::copy_n(factors.begin() + 3 * in.application, 3, factor.begin());
+                    "a contact point needs a positive weight and 1 to 9 rows");
+    Small factor = Small::Ones(in.rows);
+    for (int k = 0; k < in.rows && !factors.empty(); ++k)
+      factor[k] = factors[static_cast<std::size_t>(most_rows * in.application + k)];
     scale_rows(g, in, factor);
     const double weight = in.weight / factor[0];
     data.push_back(point_data(g, in, weight, stiffness, users, typical));
-    data.back().law = laws.of_graph(in.graph);
+    PointData& q = data.back();
+    q.law = laws.of_graph(in.graph);
+    q.first_entry = static_cast<int>(entries);
+    entries += q.entries();
+    q.share.resize(in.rows);
     for (int k = 0; k < in.rows; ++k) {
-      const double share = data.back().share[k] = factor[0] / factor[k];
+      const double share = q.share[k] = factor[0] / factor[k];
       for (SparseMatrix::InnerIterator i(g, in.first_row + k); i; ++i)
         weights.emplace_back(static_cast<int>(i.col()), in.first_row + k,
                              weight * share * i.value());

@@ -2,20 +2,28 @@
 // scales, and their laws, prepared. Every part of the solver reads it.
 #pragma once
 
-#include "solver/common/triples.hpp"
+#include "solver/common/length.hpp"
 #include "solver/inequality/inequality.hpp"
 #include "solver/inequality/prepared_law.hpp"
+#include "solver/kernel/slot.hpp"
 
-#include <array>
+#include <span>
 #include <vector>
 
 namespace hvi::solver {
 
-/// A vector on the rows of a point; what is beyond them is 0.
-using Small = Triple;
-/// A matrix on them, row by row.
-using SmallMatrix = std::array<double, 9>;
+/// A vector on the rows of a point.
+using Small = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, slot::most_arguments, 1>;
+/// A matrix on the rows of each point, row by row, one point after the other (PointData::block).
+using PointMatrices = std::vector<double>;
 
+inline double norm(const Small& v) { return length_of(v.data(), static_cast<int>(v.size())); }
+/// The first axis times `size`: of a scalar law the number itself.
+inline Small along_first(int rows, double size) {
+  Small out = Small::Zero(rows);
+  out[0] = size;
+  return out;
+}
 /// v / |v|, or the second choice, or the first axis, when v is 0.
 Small direction_of(const Small& v, const Small& otherwise);
 /// The argument that a law's graph is asked at: z of a scalar law, |z| of a radial one.
@@ -29,8 +37,9 @@ struct PointData {
 
   int law = 0; ///< index into PreparedLaws
   int first = 0, rows = 1;
+  int first_entry = 0; ///< of its matrix among PointMatrices
   double weight = 0.0;
-  Small share{1.0, 1.0, 1.0}; ///< of forces: those of row k count weight * share[k]
+  Small share; ///< of forces: those of row k count weight * share[k]
   double local = 0.0;     ///< compliance of the body there with everything else held, per weight
   double gamma = 0.0;     ///< resolvent parameter, about the compliance of the body at the point
   bool single = false;    ///< each row touches at most one unknown
@@ -39,12 +48,22 @@ struct PointData {
   double penalty = 0.0;   ///< stiffness (per weight) that holds a resting point at its break
 
   Small of(const Vector& v) const { ///< its rows of v
-    Small out{};
+    Small out(rows);
     for (int k = 0; k < rows; ++k) out[k] = v[first + k];
     return out;
   }
   void put(Vector& v, const Small& value) const {
     for (int k = 0; k < rows; ++k) v[first + k] = value[k];
+  }
+  /// Its matrix: entry (i, j) is block[rows * i + j].
+  std::span<double> block(PointMatrices& all) const { return {&all[first_entry], entries()}; }
+  std::span<const double> block(const PointMatrices& all) const {
+    return {&all[first_entry], entries()};
+  }
+  std::size_t entries() const { return static_cast<std::size_t>(rows * rows); }
+  void put_multiple(PointMatrices& all, double of_one) const { ///< of the identity
+    const auto m = block(all);
+    for (int k = 0; k < rows * rows; ++k) m[k] = k % (rows + 1) == 0 ? of_one : 0.0;
   }
 };
 
@@ -83,10 +102,13 @@ struct ContactPoints {
   int size() const { return static_cast<int>(data.size()); }
   const PointData& operator[](int p) const { return data[p]; }
   const PreparedLaw& law(int p) const { return laws[data[p].law]; }
+  /// Zeros of all points.
+  PointMatrices no_matrices() const { return PointMatrices(entries); }
 
   const ReducedProblem& problem;
   SparseMatrix g;             ///< each row times its factor
   int unknowns = 0, rows = 0; ///< of G: columns and rows
+  std::size_t entries = 0;    ///< of PointMatrices
   Vector diagonal;            ///< of S
   PreparedLaws laws;
   std::vector<PointData> data;

@@ -54,7 +54,7 @@ bool Preconditioner::prepare(const FarPoints& far, const SparseMatrix& h) {
   solve_far_columns(far_, factor_.op(), columns_);
   const double unit = points_.diagonal.cwiseAbs().maxCoeff();
   if (!(unit > 0.0)) return false;
-  if (!freed_.prepare(far_.freed, columns_, factor_.op(), h, unit)) return false;
+  if (!freed_.prepare(far_, columns_, factor_.op(), h, unit)) return false;
   if (!far_.changed.empty()) changed_.prepare(far_, columns_, freed_);
   return true;
 }

@@ -40,7 +40,7 @@ private:
 
     Vector c, xi, z_start, z_hat, xi_hat;
     std::vector<int> state, component;
-    std::vector<SmallMatrix> d;
+    PointMatrices d;
   };
   MethodOutcome solve_by_parts(Position& at, InequalityReport& report);
   MethodOutcome solve_by_components(Position& at, Methods methods, InequalityReport& report);

@@ -33,10 +33,7 @@ void InequalityEngine::restore(std::istream& in) {
   const bool was_factored = r.get<std::uint8_t>() != 0;
   const auto [last_iterations, served] = r.get_counts<2>();
   parts_.at.snap.factor = r.get_finite();
-  auto stiffnesses = r.get_vector<SmallMatrix>();
-  for (const SmallMatrix& block : stiffnesses)
-    for (const double v : block)
-      if (!std::isfinite(v)) r.fail("is inconsistent");
+  auto stiffnesses = r.get_numbers();
   FarColumns columns;
   for (auto left = r.get<std::uint64_t>(); left > 0; --left) {
     const int unknown = r.get_between(0, parts_.points.unknowns - 1);
@@ -46,7 +43,7 @@ void InequalityEngine::restore(std::istream& in) {
   parts_.inverse.restore(r);
   const int convex = r.get_between<std::uint8_t>(0, 2);
   parts_.follower.restore(convex == 2 ? std::nullopt : std::optional(convex == 1));
-  if (was_factored && static_cast<int>(stiffnesses.size()) != parts_.points.size())
+  if (was_factored && stiffnesses.size() != parts_.points.entries)
     r.fail("has another number of contact points");
   parts_.factor.remake(std::move(stiffnesses), was_factored);
   parts_.tangent.restore(last_iterations, std::move(columns), was_factored ? served : 0);

@@ -1,33 +1,73 @@
-// Where each product of two entries of G goes in H (stiffness.hpp).
+// The unknowns of each point, and where their products go in H (stiffness.hpp).
 #include "solver/inequality/stiffness.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace hvi::solver {
 
 StiffnessPattern::StiffnessPattern(const ContactPoints& points)
-    : zero_(points.unknowns, points.unknowns), first_contribution_{0} {
-  const SparseMatrix& g = points.g;
-  const auto for_pairs = [&](const PointData& q, const auto& f) {
-    for (int a = 0; a < q.rows; ++a)
-      for (int b = 0; b < q.rows; ++b)
-        for (SparseMatrix::InnerIterator i(g, q.first + a); i; ++i)
-          for (SparseMatrix::InnerIterator j(g, q.first + b); j; ++j)
-            f(static_cast<int>(i.col()), static_cast<int>(j.col()), 3 * a + b,
-              q.weight * q.share[a] * i.value() * j.value());
-  };
+    : points_(points), zero_(points.unknowns, points.unknowns) {
+  std::vector<std::vector<int>> unknowns;
   std::vector<Eigen::Triplet<double>> pattern;
-  for (const PointData& q : points.data)
-    for_pairs(q, [&](int i, int j, int, double) { pattern.emplace_back(i, j, 0.0); });
-  zero_.setFromTriplets(pattern.begin(), pattern.end());
   for (const PointData& q : points.data) {
-    for_pairs(q, [&](int i, int j, int entry, double coefficient) {
-      const int* begin = zero_.innerIndexPtr() + zero_.outerIndexPtr()[i];
-      const int* end = zero_.innerIndexPtr() + zero_.outerIndexPtr()[i + 1];
-      const auto value = static_cast<int>(std::lower_bound(begin, end, j) - zero_.innerIndexPtr());
-      contributions_.push_back({value, entry, coefficient});
-    });
-    first_contribution_.push_back(static_cast<int>(contributions_.size()));
+    unknowns.push_back(take(q));
+    for (const int i : unknowns.back())
+      for (const int j : unknowns.back()) pattern.emplace_back(i, j, 0.0);
+  }
+  zero_.setFromTriplets(pattern.begin(), pattern.end());
+  for (const auto& of_point : unknowns)
+    for (const int j : of_point)
+      for (const int i : of_point) {
+        const int* begin = zero_.innerIndexPtr() + zero_.outerIndexPtr()[i];
+        const int* end = zero_.innerIndexPtr() + zero_.outerIndexPtr()[i + 1];
+        places_.push_back(
+            static_cast<int>(std::lower_bound(begin, end, j) - zero_.innerIndexPtr()));
+      }
+}
+
+/// Notes what the point sees; returns the unknowns that it touches, in order.
+std::vector<int> StiffnessPattern::take(const PointData& q) {
+  const SparseMatrix& g = points_.g;
+  std::vector<int> unknowns;
+  for (int row = q.first; row < q.first + q.rows; ++row)
+    for (SparseMatrix::InnerIterator it(g, row); it; ++it)
+      unknowns.push_back(static_cast<int>(it.col()));
+  std::ranges::sort(unknowns);
+  unknowns.erase(std::unique(unknowns.begin(), unknowns.end()), unknowns.end());
+  const std::size_t columns = unknowns.size(), first_g = g_.size();
+  const std::size_t first_place =
+      seen_.empty() ? 0 : seen_.back().first_place + seen_.back().columns * seen_.back().columns;
+  seen_.push_back({columns, first_g, first_place});
+  g_.resize(first_g + columns * static_cast<std::size_t>(q.rows), 0.0);
+  for (int a = 0; a < q.rows; ++a)
+    for (SparseMatrix::InnerIterator it(g, q.first + a); it; ++it) {
+      const auto column = std::ranges::lower_bound(unknowns, static_cast<int>(it.col()));
+      g_[first_g + static_cast<std::size_t>((column - unknowns.begin()) * q.rows + a)] = it.value();
+    }
+  return unknowns;
+}
+
+void StiffnessPattern::add(int p, std::span<const double> d, SparseMatrix& h) const {
+  const PointData& q = points_[p];
+  const Seen& seen = seen_[static_cast<std::size_t>(p)];
+  const double* const g = &g_[seen.first_g];
+  const int* place = &places_[seen.first_place];
+  double* const values = h.valuePtr();
+  std::array<double, slot::most_arguments> force; // of column j, weighted
+  for (std::size_t j = 0; j < seen.columns; ++j) {
+    const double* const of_j = g + j * static_cast<std::size_t>(q.rows);
+    for (int a = 0; a < q.rows; ++a) {
+      double sum = 0.0;
+      for (int b = 0; b < q.rows; ++b) sum += d[q.rows * a + b] * of_j[b];
+      force[a] = q.weight * q.share[a] * sum;
+    }
+    const double* of_i = g;
+    for (std::size_t i = 0; i < seen.columns; ++i) {
+      double sum = 0.0;
+      for (int a = 0; a < q.rows; ++a) sum += *of_i++ * force[a];
+      values[*place++] += sum;
+    }
   }
 }
 
@@ -35,9 +75,9 @@ void StiffnessPattern::clear(SparseMatrix& h) {
   std::fill(h.valuePtr(), h.valuePtr() + h.nonZeros(), 0.0);
 }
 
-void StiffnessPattern::assemble(const std::vector<SmallMatrix>& d, SparseMatrix& h) const {
+void StiffnessPattern::assemble(const PointMatrices& d, SparseMatrix& h) const {
   clear(h);
-  for (int p = 0; p < static_cast<int>(d.size()); ++p) add(p, d[p], h);
+  for (int p = 0; p < points_.size(); ++p) add(p, points_[p].block(d), h);
 }
 
 } // namespace hvi::solver

@@ -10,25 +10,25 @@ public:
   explicit StiffnessPattern(const ContactPoints& points);
   const SparseMatrix& zero() const { return zero_; }
 
-  /// h += w_p G_p^T D G_p, for an h that began as `zero`.
-  void add(int p, const SmallMatrix& d, SparseMatrix& h) const {
-    for (int k = first_contribution_[p]; k < first_contribution_[p + 1]; ++k) {
-      const Contribution& q = contributions_[k];
-      h.valuePtr()[q.value] += q.coefficient * d[q.entry];
-    }
-  }
+  /// h += w_p G_p^T D G_p, for an h that began as `zero`; D of this point, row by row.
+  void add(int p, std::span<const double> d, SparseMatrix& h) const;
   static void clear(SparseMatrix& h); ///< h = 0; the pattern stays
   /// H from the stiffnesses D of all points.
-  void assemble(const std::vector<SmallMatrix>& d, SparseMatrix& h) const;
+  void assemble(const PointMatrices& d, SparseMatrix& h) const;
 
 private:
-  struct Contribution {
-    int value, entry; ///< h.value[value] += coefficient * D_p[entry]
-    double coefficient;
+  /// What a point sees: its G_p on the unknowns that it touches, column by column in `g_`, and for
+  /// each pair of these its place in h, in `places_`.
+  struct Seen {
+    std::size_t columns = 0, first_g = 0, first_place = 0;
   };
+  std::vector<int> take(const PointData& q);
+
+  const ContactPoints& points_;
   SparseMatrix zero_;
-  std::vector<Contribution> contributions_;
-  std::vector<int> first_contribution_;
+  std::vector<Seen> seen_;
+  std::vector<double> g_;
+  std::vector<int> places_;
 };
 
 } // namespace hvi::solver

@@ -27,7 +27,7 @@ bool UpdatedInverse::make(const std::vector<int>& states) {
   SparseMatrix h = pattern_.zero();
   for (int p = 0; p < points_.size(); ++p) {
     if (!pieces_.take(p, states[p])) return false;
-    pattern_.add(p, {pieces_[p].k}, h);
+    pattern_.add(p, {&pieces_[p].k, 1}, h);
   }
   return made_ = op_.inverse(h, inverse_);
 }

@@ -69,14 +69,13 @@ inline constexpr int derivative_of(Slot s) { return (s - first_field) % field_st
 inline constexpr bool is_field_gradient(Slot s) {
   return is_field(s) && !is_value(derivative_of(s));
 }
+/// A law sees so many numbers at most: a matrix in 3D.
+inline constexpr int most_arguments = 9;
 /// Multiplier xi of the l-th law application, component c (in the global frame).
-inline constexpr int rows_of_multiplier = 4;
-inline constexpr Slot multiplier(int l, int c) {
-  return first_multiplier + rows_of_multiplier * l + c;
-}
+inline constexpr Slot multiplier(int l, int c) { return first_multiplier + most_arguments * l + c; }
 inline constexpr bool is_multiplier(Slot s) { return s >= first_multiplier && s < first_inside; }
-inline constexpr int term_of(Slot s) { return (s - first_multiplier) / rows_of_multiplier; }
-inline constexpr int row_of(Slot s) { return (s - first_multiplier) % rows_of_multiplier; }
+inline constexpr int term_of(Slot s) { return (s - first_multiplier) / most_arguments; }
+inline constexpr int row_of(Slot s) { return (s - first_multiplier) % most_arguments; }
 /// 1 on part p of the plan, else 0 (a facet asks for itself, then for the cell behind it).
 inline constexpr Slot inside(int p) { return first_inside + p; }
 /// State i of the plan at the point (problem.hpp, StateTerm).
@@ -85,14 +84,15 @@ inline constexpr bool is_state(Slot s) { return s >= first_state && s < first_pr
 /// The value of probe i of the report (combinations of probes).
 inline constexpr Slot probe(int i) { return first_probe + i; }
 
-/// What the order of operands follows, and with it the last bits of sums: of one unknown the
-/// numbers that slots had before there were several, so that results stay what they were.
+/// What the order of operands follows, and with it the last bits of sums: the numbers that slots
+/// had when there was one unknown, so that results stay what they were.
 inline constexpr int order_key(Slot s) {
   constexpr int beyond = 1 << 20;
   if (s >= first_probe) return 32768 + s - first_probe;
   if (s >= first_state) return 28672 + s - first_state;
   if (s >= first_inside) return 16384 + s - first_inside;
-  if (s >= first_multiplier) return 4096 + s - first_multiplier;
+  if (s >= first_multiplier) // laws had up to four arguments then
+    return row_of(s) < 4 ? 4096 + 4 * term_of(s) + row_of(s) : beyond + s;
   if (is_field(s)) {
     const int d = derivative_of(s);
     return unknown_of(d) > 0 ? beyond + s : 32 + 16 * field_of(s) + d;

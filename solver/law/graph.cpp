@@ -1,7 +1,9 @@
 // Look-ups in the graph of a law: pieces, Clarke intervals, distances (law.hpp).
+#include "solver/common/length.hpp"
 #include "solver/law/law.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace hvi::solver {
@@ -89,22 +91,18 @@ Interval clarke(const Law& law, const LawGraph& graph, double r, double snap) {
 double inclusion_distance(const Law& law, const LawGraph& graph, const double* z, const double* xi,
                           int rows, double snap, double enough) {
   if (!law.spec().radial) return scalar_distance(law, graph, z[0], xi[0], snap, enough);
-  const auto norm = [&](const double* v) {
-    return rows == 1 ? std::abs(v[0])
-                     : (rows == 2 ? std::hypot(v[0], v[1]) : std::hypot(v[0], v[1], v[2]));
-  };
-  const double r = norm(z);
+  const double r = length_of(z, rows);
   double best = std::numeric_limits<double>::infinity();
   // Resting, or slipping the way of xi by less than is known of z.
-  if (r <= snap) best = above_zero(norm(xi) - largest_near_origin(law, graph, snap - r));
+  if (r <= snap) best = above_zero(length_of(xi, rows) - largest_near_origin(law, graph, snap - r));
   if (r == 0.0) return best;
   // Split xi along and across z: the graph has no part across.
   double along = 0.0;
   for (int k = 0; k < rows; ++k) along += xi[k] * (z[k] / r);
-  double across[3]{};
+  std::array<double, slot::most_arguments> across; // as many as there are rows
   for (int k = 0; k < rows; ++k) across[k] = xi[k] - along * (z[k] / r);
   // The direction of z is known up to snap / r.
-  const double sideways = above_zero(norm(across) - std::abs(along) * snap / r);
+  const double sideways = above_zero(length_of(across.data(), rows) - std::abs(along) * snap / r);
   return std::min(best, std::hypot(scalar_distance(law, graph, r, along, snap, 0.0), sideways));
 }
 

@@ -134,7 +134,7 @@ FrameMaker FrameMaker::of_picture(const Problem& problem, const Discretisation& 
   std::set<int> terms;
   for (int l = 0; l < static_cast<int>(contact.terms.size()); ++l)
     for (const Expr& e : field.components)
-      if (e.depends_on_any(slot::multiplier(l, 0), slot::multiplier(l, slot::rows_of_multiplier)))
+      if (e.depends_on_any(slot::multiplier(l, 0), slot::multiplier(l, slot::most_arguments)))
         terms.insert(l);
   const std::vector<int> chosen(terms.begin(), terms.end());
   return {problem, d, contact, fields, chosen};

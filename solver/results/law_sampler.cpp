@@ -379,8 +379,9 @@ namespace {
 /// Does an expression read the multiplier of a law that acts on another part?
 bool reads_from_elsewhere(const Problem& problem, const Expr& expression, int part) {
   for (int term = 0; term < static_cast<int>(problem.law_terms.size()); ++term) {
-    const Slot first = slot::first_multiplier + 4 * term;
-    if (problem.law_terms[term].part != part && expression.depends_on_any(first, first + 4))
+    const Slot first = slot::multiplier(term, 0);
+    if (problem.law_terms[term].part != part &&
+        expression.depends_on_any(first, first + slot::most_arguments))
       return true;
   }
   for (std::size_t i = 0; i < problem.states.size(); ++i)

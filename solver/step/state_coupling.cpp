@@ -279,7 +279,7 @@ private:
       for (int row = 0; row < term.n_rows(); ++row)
         z[term.first_row + row] +=
             (factors.empty() ? 1.0
-                             : factors[static_cast<std::size_t>(3 * term.points.law_term +
+                             : factors[static_cast<std::size_t>(slot::most_arguments * term.points.law_term +
                                                                 row % term.points.rows)]) *
             moved[term.first_row + row];
   }

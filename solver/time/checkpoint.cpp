@@ -20,7 +20,7 @@
 namespace hvi::solver {
 namespace {
 
-constexpr std::uint32_t format_version = 23;
+constexpr std::uint32_t format_version = 24;
 constexpr std::array<char, 8> magic{'h', 'v', 'i', '-', 's', 't', 'e', 'p'};
 
 struct Header {

@@ -55,7 +55,8 @@ TEST(Factors, AreRowsAndWeightsWithThem) {
     DenseMatrix s = bench.s; // the laws on the second argument soften as much faster
     s.diagonal() *= std::max(1.0, factors[1]);
     const auto op = dense_operator(s, true), other = dense_operator(s, true);
-    const std::array<double, 6> by_row{1.0, 1.0, 1.0, factors[1], factors[1], factors[1]};
+    std::vector<double> by_row(2 * slot::most_arguments, 1.0);
+    std::fill(by_row.begin() + slot::most_arguments, by_row.end(), factors[1]);
     InequalitySolver solver(bench.problem, *op, {}, by_row), reference(scaled, *other, {});
     InequalityState state, expected;
     const bool found = reference.solve(bench.r, expected).converged;

@@ -56,13 +56,13 @@ TEST(Parts, ThePreconditionerSolvesExactlyForFarPoints) {
     const bool frees = one_of(2), holds = one_of(2);
     const double soft = 0.025 / points[0].local, stiff = 5e4 * soft;
     InequalityReport report;
-    std::vector<SmallMatrix> before(n), after(n);
+    PointMatrices before = points.no_matrices(), after = before;
     std::size_t freed = 0, changed = 0;
     for (int p = 0; p < n; ++p) {
       const bool was_held = frees && one_of(4);
       const bool held = !was_held && holds && one_of(6), stiffened = !held && one_of(6);
-      before[p][0] = was_held ? points[p].penalty : soft;
-      after[p][0] = held ? points[p].penalty : stiffened ? (1 + p) * stiff : soft;
+      before[p] = was_held ? points[p].penalty : soft;
+      after[p] = held ? points[p].penalty : stiffened ? (1 + p) * stiff : soft;
       freed += was_held ? 1 : 0;
       changed += !was_held && (held || stiffened) ? 1 : 0;
     }
