@@ -6,8 +6,8 @@
 namespace hvi::solver {
 
 AugmentedLaws::AugmentedLaws(const Position& at, const std::vector<RiseAndFall>* parts)
-    : lambda(Vector::Zero(at.points.rows)), z_ref(at.z), d(at.points.no_matrices()), points_(at.points),
-      component_(at.places.component), parts_(parts), hits_(at.points.size()) {
+    : lambda(Vector::Zero(at.points.rows)), z_ref(at.z), d(at.points.no_matrices()),
+      points_(at.points), component_(at.places.component), parts_(parts), hits_(at.points.size()) {
   for (int p = 0; p < points_.size(); ++p) {
     const double m = shift(p);
     const Small x = points_[p].of(at.xi), z = points_[p].of(at.z), f = fall(p, x);

@@ -29,7 +29,7 @@ public:
   /// Multipliers and states of the arguments there and lambda.
   void hand_over(Position& to) const;
 
-  double shrink = 1.0;        ///< factor of gamma
+  double shrink = 1.0;  ///< factor of gamma
   Vector lambda, z_ref; ///< per row: multiplier of jhat, point of linearisation
   PointMatrices d;      ///< second derivatives
 

@@ -26,8 +26,8 @@ DenseMatrix inner(const DenseMatrix& a, const DenseMatrix& b) {
 }
 
 bool holds_some(const PointMatrices& d, const PointData& q) {
-  return std::ranges::any_of(
-      q.block(d), [&](double v) { return std::abs(v) * q.local > holding_stiffness; });
+  return std::ranges::any_of(q.block(d),
+                             [&](double v) { return std::abs(v) * q.local > holding_stiffness; });
 }
 
 bool is_close(const PointData& q, const PointMatrices& d, const PointMatrices& d_factored) {

@@ -14,6 +14,23 @@ Small direction_of(const Small& v, const Small& otherwise) {
   return along_first(static_cast<int>(v.size()), 1.0);
 }
 
+DenseRows dense_rows(const SparseMatrix& g, int first, int rows) {
+  DenseRows out;
+  auto& unknowns = out.unknowns;
+  for (int row = first; row < first + rows; ++row)
+    for (SparseMatrix::InnerIterator it(g, row); it; ++it)
+      unknowns.push_back(static_cast<int>(it.col()));
+  std::ranges::sort(unknowns);
+  unknowns.erase(std::unique(unknowns.begin(), unknowns.end()), unknowns.end());
+  out.g.setZero(rows, std::ssize(unknowns));
+  for (int k = 0; k < rows; ++k)
+    for (SparseMatrix::InnerIterator it(g, first + k); it; ++it) {
+      const auto place = std::ranges::lower_bound(unknowns, static_cast<int>(it.col()));
+      out.g(k, place - unknowns.begin()) = it.value();
+    }
+  return out;
+}
+
 PreparedLaws::PreparedLaws(const ReducedProblem& problem) : problem_(problem) {
   prepared_of_.assign(problem.graphs.size(), -1);
   for (const ContactPoint& p : problem.points) {
@@ -53,28 +70,49 @@ void PreparedLaws::look_for_softening() {
 
 namespace {
 
-/// Stiffness k of the body felt at a point, sum s_i G_i^2 / (sum G_i^2)^2 averaged over its rows,
-/// s_i that at each unknown (ReducedOperator::own_stiffness), sets both scales: gamma = w / k,
-/// penalty = kappa k / w. Where a row touches one unknown only, the penalty stands on the diagonal
-/// and cannot spoil the factor; else it costs digits. `users`: how many rows touch each unknown;
-/// `typical`: a stiffness for points that feel none.
+/// Stiffness of the body felt at a point, sum s_i G_i^2 / (sum G_i^2)^2 averaged over its rows, s_i
+/// that at each unknown (ReducedOperator::own_stiffness). Of rows that see the same unknowns, as
+/// gradients in a cell, what one has beyond the others counts, the longest one first, and rounding
+/// does not: one node of a cell turns with the axes. 0: there is none.
+double stiffness_felt(const SparseMatrix& g, const ContactPoint& in, const Vector& stiffness) {
+  constexpr double rounding = 1e-10;
+  const DenseRows seen = dense_rows(g, in.first_row, in.rows);
+  DenseMatrix left = seen.g;
+  double sum = 0.0, first = 0.0;
+  for (int found = 0; found < in.rows; ++found) {
+    Eigen::Index longest = 0;
+    const double square = left.rowwise().squaredNorm().maxCoeff(&longest);
+    if (found == 0) first = square;
+    if (!(square > rounding * rounding * first)) return found > 0 ? sum / found : 0.0;
+    const Vector row = left.row(longest);
+    double weighted = 0.0;
+    for (Eigen::Index i = 0; i < row.size(); ++i)
+      weighted += stiffness[seen.unknowns[static_cast<std::size_t>(i)]] * row[i] * row[i];
+    sum += weighted / (square * square);
+    for (int k = 0; k < in.rows; ++k)
+      left.row(k) -= left.row(k).dot(row) / square * row.transpose();
+    left.row(longest).setZero();
+  }
+  return sum / in.rows;
+}
+
+/// That stiffness k sets both scales: gamma = w / k, penalty = kappa k / w. Where a row touches one
+/// unknown only, the penalty stands on the diagonal and cannot spoil the factor; else it costs
+/// digits. `users`: how many rows touch each unknown; `typical`: a stiffness for points that feel
+/// none.
 PointData point_data(const SparseMatrix& g, const ContactPoint& in, double weight,
                      const Vector& stiffness, const std::vector<int>& users, double typical) {
-  double k = 0.0;
+  double k = stiffness_felt(g, in, stiffness);
   bool single = true, exclusive = true, given = true;
   for (int row = in.first_row; row < in.first_row + in.rows; ++row) {
-    double sum = 0.0, weighted = 0.0;
     int entries = 0;
     for (SparseMatrix::InnerIterator it(g, row); it; ++it) {
-      sum += it.value() * it.value();
-      weighted += stiffness[it.col()] * it.value() * it.value();
       entries += it.value() != 0.0;
       exclusive = exclusive && users[it.col()] == 1 && it.value() != 0.0;
     }
     single = single && entries <= 1;
     given = given && entries == 0;
     exclusive = exclusive && entries == 1;
-    if (sum > 0.0) k += weighted / (sum * sum) / in.rows;
   }
   if (!(k > 0.0)) k = typical > 0.0 ? typical : 1.0;
   PointData q;
@@ -120,7 +158,7 @@ ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperat
     data.push_back(point_data(g, in, weight, stiffness, users, typical));
     PointData& q = data.back();
     q.law = laws.of_graph(in.graph);
-    q.first_entry = static_cast<int>(entries);
+    q.first_entry = entries;
     entries += q.entries();
     q.share.resize(in.rows);
     for (int k = 0; k < in.rows; ++k) {

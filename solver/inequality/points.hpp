@@ -31,15 +31,22 @@ inline double size_of(const PreparedLaw& law, const Small& z) {
   return law.radial() ? norm(z) : z[0];
 }
 
+/// Rows of G on the unknowns that they touch, which are in order.
+struct DenseRows {
+  std::vector<int> unknowns;
+  DenseMatrix g;
+};
+DenseRows dense_rows(const SparseMatrix& g, int first, int rows);
+
 struct PointData {
   /// A law's slope against the body's stiffness from which rounding of z shows in xi.
   static constexpr double far_stiffer = 1e4;
 
   int law = 0; ///< index into PreparedLaws
   int first = 0, rows = 1;
-  int first_entry = 0; ///< of its matrix among PointMatrices
+  std::size_t first_entry = 0; ///< of its matrix among PointMatrices
   double weight = 0.0;
-  Small share; ///< of forces: those of row k count weight * share[k]
+  Small share;            ///< of forces: those of row k count weight * share[k]
   double local = 0.0;     ///< compliance of the body there with everything else held, per weight
   double gamma = 0.0;     ///< resolvent parameter, about the compliance of the body at the point
   bool single = false;    ///< each row touches at most one unknown
@@ -55,12 +62,12 @@ struct PointData {
   void put(Vector& v, const Small& value) const {
     for (int k = 0; k < rows; ++k) v[first + k] = value[k];
   }
+  std::size_t entries() const { return static_cast<std::size_t>(rows * rows); }
   /// Its matrix: entry (i, j) is block[rows * i + j].
   std::span<double> block(PointMatrices& all) const { return {&all[first_entry], entries()}; }
   std::span<const double> block(const PointMatrices& all) const {
     return {&all[first_entry], entries()};
   }
-  std::size_t entries() const { return static_cast<std::size_t>(rows * rows); }
   void put_multiple(PointMatrices& all, double of_one) const { ///< of the identity
     const auto m = block(all);
     for (int k = 0; k < rows * rows; ++k) m[k] = k % (rows + 1) == 0 ? of_one : 0.0;

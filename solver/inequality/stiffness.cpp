@@ -26,26 +26,15 @@ StiffnessPattern::StiffnessPattern(const ContactPoints& points)
       }
 }
 
-/// Notes what the point sees; returns the unknowns that it touches, in order.
+/// Notes what the point sees; returns the unknowns that it touches.
 std::vector<int> StiffnessPattern::take(const PointData& q) {
-  const SparseMatrix& g = points_.g;
-  std::vector<int> unknowns;
-  for (int row = q.first; row < q.first + q.rows; ++row)
-    for (SparseMatrix::InnerIterator it(g, row); it; ++it)
-      unknowns.push_back(static_cast<int>(it.col()));
-  std::ranges::sort(unknowns);
-  unknowns.erase(std::unique(unknowns.begin(), unknowns.end()), unknowns.end());
-  const std::size_t columns = unknowns.size(), first_g = g_.size();
-  const std::size_t first_place =
-      seen_.empty() ? 0 : seen_.back().first_place + seen_.back().columns * seen_.back().columns;
-  seen_.push_back({columns, first_g, first_place});
-  g_.resize(first_g + columns * static_cast<std::size_t>(q.rows), 0.0);
-  for (int a = 0; a < q.rows; ++a)
-    for (SparseMatrix::InnerIterator it(g, q.first + a); it; ++it) {
-      const auto column = std::ranges::lower_bound(unknowns, static_cast<int>(it.col()));
-      g_[first_g + static_cast<std::size_t>((column - unknowns.begin()) * q.rows + a)] = it.value();
-    }
-  return unknowns;
+  DenseRows rows = dense_rows(points_.g, q.first, q.rows);
+  const std::size_t columns = rows.unknowns.size(),
+                    before = seen_.empty() ? 0 : seen_.back().columns;
+  const std::size_t first_place = seen_.empty() ? 0 : seen_.back().first_place + before * before;
+  seen_.push_back({columns, g_.size(), first_place});
+  g_.insert(g_.end(), rows.g.data(), rows.g.data() + rows.g.size());
+  return std::move(rows.unknowns);
 }
 
 void StiffnessPattern::add(int p, std::span<const double> d, SparseMatrix& h) const {

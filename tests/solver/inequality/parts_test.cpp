@@ -88,6 +88,26 @@ TEST(Parts, ThePreconditionerSolvesExactlyForFarPoints) {
   }
 }
 
+/// A gradient in a cell with one free node is that node's value times a direction: along an axis
+/// two of its three rows are rounding. Whichever way the axes stand, the point feels the same body.
+TEST(Parts, ScalesOfPointsDoNotTurnWithTheAxes) {
+  const auto penalty = [](const Point& gradient) {
+    Bench setup;
+    setup.s = DenseMatrix::Constant(1, 1, 20.0);
+    setup.point(setup.slope(arg(), true), 0.1,
+                {{{0, gradient[0]}}, {{0, gradient[1]}}, {{0, gradient[2]}}});
+    setup.finish();
+    const auto op = dense_operator(setup.s, true);
+    return ContactPoints(setup.problem, *op)[0].penalty;
+  };
+  const double along_x = penalty({2.0, 3e-17, -1e-16});
+  for (const double angle : {1e-12, 1e-3, 0.4, 1.3}) { // a scale: but for the number of rows
+    const double turned = penalty({2.0 * std::cos(angle), 2.0 * std::sin(angle), 1e-17});
+    EXPECT_GE(turned, 0.999 * along_x);
+    EXPECT_LE(turned, 3.0 * along_x);
+  }
+}
+
 /// A piece that is refused leaves the one that was taken.
 TEST(Parts, ARefusedPieceChangesNothing) {
   Bench setup;
