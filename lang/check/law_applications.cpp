@@ -46,8 +46,6 @@ std::optional<double> ratio(const Symbol& a, const Symbol& b) {
   return out;
 }
 
-constexpr std::size_t most_arguments = 3; ///< of a law
-
 /// A factor that an earlier row has up to rounding is that one: rows with the same sum are alike.
 double as_before(const std::vector<std::vector<solver::SeenField>>& rows, int field, double times) {
   for (const auto& row : rows)
@@ -253,13 +251,13 @@ bool LawApplications::is_pair_of_law(const ast::Clarke& clarke, const std::strin
     return false;
   }
   const bool same = same_shape(at, direction);
-  if (same && at.rank <= 1 && at.components.size() <= most_arguments) return true;
+  if (same && at.rank <= 2 && std::ssize(at.components) <= slot::most_arguments) return true;
   if (same)
     mistakes_.error("E0414", clarke.at->span,
                     fmt::format("the argument of `{}` is {}", law, describe(at)),
-                    "a law sees a number, or a vector of up to three: `eps(u).xy`, `div(u)`, or "
-                    "in the plane `[eps(u).xx, eps(u).yy, sqrt(2)*eps(u).xy]`, whose norm is that "
-                    "of the strain");
+                    fmt::format("a law sees a number, a vector of up to {}, or a matrix: "
+                                "`eps(u).xy`, `[eps(u).xz, eps(u).yz]`, `eps(u)`",
+                                slot::most_arguments));
   else
     mistakes_.error(
         "E0414", clarke.direction->span,
@@ -355,13 +353,15 @@ Value LawApplications::clarke(const ast::Expr& e, const ast::Clarke& c, const Sc
                     "add `for t in [0, T] by N steps from u = 0` to the find statement");
     return Poison{};
   }
-  if (at->rank == 1 && !laws_.is_law_of_vectors(*index, *c.at, *at)) return Poison{};
-  const auto law = laws_.law_for(*index, at->rank == 1, c.law->span);
+  const bool of_norm = at->rank > 0;
+  if (of_norm && !laws_.is_law_of_vectors(*index, *c.at, *at)) return Poison{};
+  const auto law = laws_.law_for(*index, of_norm, c.law->span);
   if (!use || !law || !can_stand_here(c, *law, scope)) return Poison{};
   Field out = scalar_field(0.0);
   out.test = Degree::linear;
   out.rate = at->rate;
   use->law = *law;
+  use->columns = at->rank == 2 ? at->columns : 0;
   use->name = name;
   use->span = e.span;
   out.laws.push_back(std::move(*use));

@@ -32,6 +32,18 @@ Symbol slope_of_number(const ast::Superpotential& law, const Symbol& slope, cons
   return is_bound(law) ? select(less(argument.scalar(), 0.0), -along, along) : along;
 }
 
+/// Of the shape of the law's argument.
+Field multiplier_of(const LawUse& use, bool radial, int application) {
+  const auto n = radial ? static_cast<int>(use.rows.size()) : 1;
+  std::vector<Symbol> xi;
+  for (int c = 0; c < n; ++c) xi.push_back(Symbol::variable(slot::multiplier(application, c)));
+  Field out = !radial            ? scalar_field(xi[0])
+              : use.columns == 0 ? vector_field(xi)
+                                 : matrix_field(n / use.columns, use.columns, xi);
+  out.trial = Degree::nonlinear;
+  return out;
+}
+
 } // namespace
 
 std::optional<Field> Laws::body_of(int declaration, const Field& argument,
@@ -314,15 +326,7 @@ Value Laws::member(const ast::Member& m, int declaration, const Scope& scope) {
   for (const ModelTerm& term : model_.terms)
     for (const LawUse& use : term.integrand.laws) {
       if (use.name == law) {
-        const auto& spec = model_.laws[use.law].spec;
-        const int n = spec.radial ? static_cast<int>(use.rows.size()) : 1;
-        std::vector<Symbol> xi;
-        xi.reserve(static_cast<std::size_t>(n));
-        for (int c = 0; c < n; ++c)
-          xi.push_back(Symbol::variable(slot::multiplier(application, c)));
-        Field f = spec.radial ? vector_field(xi) : scalar_field(xi[0]);
-        f.trial = Degree::nonlinear;
-        return f;
+        return multiplier_of(use, model_.laws[use.law].spec.radial, application);
       }
       ++application;
     }

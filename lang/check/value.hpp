@@ -54,6 +54,7 @@ struct LawUse {
   bool mean = false;          ///< of both sides of a pair
   std::optional<int> rule_of; ///< see solver::LawTerm
   std::vector<LawRow> rows;
+  int columns = 0; ///< of an argument that is a matrix, whose rows of a law are its entries; else 0
   bool sees_gradient() const {
     return std::ranges::any_of(rows, [](const LawRow& row) { return row.sees_gradient(); });
   }

@@ -108,8 +108,9 @@ superpotential bed(xi) = 0.5 * (1 + t) * norm(xi)^2
     {"E0414", "argument and direction differ",
      R"(
 j^0(Mu; Mv) takes the same operator M twice: the trace, its normal or tangential part, a
-component, or the value itself; inside a body also its gradient, a strain, `div(u)`, or a vector of up
-to three of these. A law of a gradient has its points inside the cells, so that `rule = nodal` has none.)",
+component, or the value itself; inside a body also its gradient, a strain, `div(u)`, all of `eps(u)`, or
+a vector of up to nine of these. A law of a gradient has its points inside the cells, so that
+`rule = nodal` has none.)",
      R"(
 layer^0(u.nu; v.x))",
      R"(

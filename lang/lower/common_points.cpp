@@ -56,8 +56,7 @@ void join_states(const solver::Problem& problem, Groups& groups) {
       if (term.part != state.part) continue;
       const solver::Slot xi = slot::multiplier(l, 0);
       const bool read = std::ranges::any_of(problem.states, [&](const solver::StateTerm& other) {
-        return other.part == term.part &&
-               other.rate.depends_on_any(xi, xi + slot::most_arguments);
+        return other.part == term.part && other.rate.depends_on_any(xi, xi + slot::most_arguments);
       });
       if (!read && !reads_states(term, problem.laws[static_cast<std::size_t>(term.law)])) continue;
       if (first < 0) first = l;

@@ -269,8 +269,7 @@ private:
       wrong(term.origin, "a law sees a gradient at nodes or on a pair, where there is none");
     if (!index(term.law, count(problem_.laws), term.origin, "a law term", "law")) return;
     const auto& law = problem_.laws[static_cast<std::size_t>(term.law)];
-    constexpr int most_of_gradients = 3;
-    const int most = !law.radial ? 1 : term.sees_gradient() ? most_of_gradients : dim_;
+    const int most = law.radial ? slot::most_arguments : 1;
     if (term.rows.empty() || count(term.rows) > most)
       wrong(term.origin, fmt::format("the argument of a law has {} rows; {} law has {}",
                                      term.rows.size(), law.radial ? "a radial" : "a scalar",

@@ -278,9 +278,10 @@ private:
     for (const auto& term : contact_.terms)
       for (int row = 0; row < term.n_rows(); ++row)
         z[term.first_row + row] +=
-            (factors.empty() ? 1.0
-                             : factors[static_cast<std::size_t>(slot::most_arguments * term.points.law_term +
-                                                                row % term.points.rows)]) *
+            (factors.empty()
+                 ? 1.0
+                 : factors[static_cast<std::size_t>(slot::most_arguments * term.points.law_term +
+                                                    row % term.points.rows)]) *
             moved[term.first_row + row];
   }
 

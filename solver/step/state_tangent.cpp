@@ -86,7 +86,9 @@ StateTangent::StateTangent(const Problem& problem, const Contact& contact,
 
 double StateTangent::factor_of(const ContactTerm& term, int row) const {
   const auto& factors = matrix_.law_factors();
-  return factors.empty() ? 1.0 : factors[static_cast<std::size_t>(slot::most_arguments * term.points.law_term + row)];
+  return factors.empty()
+             ? 1.0
+             : factors[static_cast<std::size_t>(slot::most_arguments * term.points.law_term + row)];
 }
 
 double StateTangent::holding(const ContactPoint& point, double factor) const {

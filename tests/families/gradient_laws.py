@@ -6,8 +6,8 @@ A law of M u = G grad u inside a body has one point for each cell of P1. Here G 
 and every step is solved by the alternating direction method of multipliers, one proximal map for each cell, found by bisection (R. Glowinski,
 A. Marrocco, Sur l'approximation, par elements finis d'ordre un, et la resolution, par penalisation-dualite, d'une classe de problemes de Dirichlet
 non lineaires, 1975). Scenes: scalars and vectors in 1D, 2D and 3D on meshes with nodes off the lattice, turned, of sizes and stiffnesses decades apart; laws of a number (a strain, div u, a component
-of grad u) and of a vector (all of grad u, all strains in the plane), with jumps, softening, hardening; of u and of u', static and in time; sums of both;
-offsets; parts of the body. Runs are certified; values of u and integrals of multipliers agree to 1e-6 of the largest of their kind.
+of grad u), of a vector (all of grad u, strains, six of them in 3D) and of a matrix (eps(u), its deviator, grad(u) of a vector: four and nine numbers), with jumps, softening, hardening; of u and of u', static and in time; sums of both;
+offsets; the iterative solver, too. Runs are certified; values of u and integrals of multipliers agree to 1e-6 of the largest of their kind.
 """
 import argparse
 import json
@@ -23,6 +23,7 @@ import numpy
 AGREE = 1e-6
 ENOUGH = 1e-10  # of the method of multipliers
 AXES = "xyz"
+MATRICES = ("eps", "dev", "full")
 
 
 def lattice(r, dim, n):
@@ -124,7 +125,26 @@ def rows_of(kind, dim, d):
         return "eps({w}).xy", [unit((0, 1, 0.5), (1, 0, 0.5))]
     if kind == "strain":
         return "[eps({w}).xx, eps({w}).yy, sqrt(2)*eps({w}).xy]", [unit((0, 0, 1.0)), unit((1, 1, 1.0)), unit((0, 1, 0.5**0.5), (1, 0, 0.5**0.5))]
-    return "[eps({w}).xz, eps({w}).yz]", [unit((0, 2, 0.5), (2, 0, 0.5)), unit((1, 2, 0.5), (2, 1, 0.5))]
+    if kind == "shears":
+        return "[eps({w}).xz, eps({w}).yz]", [unit((0, 2, 0.5), (2, 0, 0.5)), unit((1, 2, 0.5), (2, 1, 0.5))]
+    if kind == "six":
+        pairs = [(1, 2), (0, 2), (0, 1)]
+        text = [f"eps({{w}}).{a}{a}" for a in AXES] + [f"sqrt(2)*eps({{w}}).{AXES[i]}{AXES[j]}" for i, j in pairs]
+        return f"[{', '.join(text)}]", [unit((i, i, 1.0)) for i in range(3)] + [unit((i, j, 0.5**0.5), (j, i, 0.5**0.5)) for i, j in pairs]
+    # All entries of a matrix, row by row: of a symmetric one some of them twice, whose sum of squares is that of its norm.
+    entries = [(i, j) for i in range(dim) for j in range(dim)]
+    if kind == "full":
+        return "grad({w})", [unit((i, j, 1.0)) for i, j in entries]
+    mean = [(k, k, -1.0 / dim) for k in range(dim)] if kind == "dev" else []
+    return "dev(eps({w}))" if kind == "dev" else "eps({w})", [unit((i, j, 0.5), (j, i, 0.5), *(mean if i == j else [])) for i, j in entries]
+
+
+def written(kind, dim, offset):
+    """An offset, a number for each row, as the script has it."""
+    numbers = [repr(float(v)) for v in offset]
+    if kind in MATRICES:
+        numbers = [f"[{', '.join(numbers[i * dim : (i + 1) * dim])}]" for i in range(dim)]
+    return numbers[0] if len(numbers) == 1 else f"[{', '.join(numbers)}]"
 
 
 class Unsettled(Exception):
@@ -147,19 +167,24 @@ class Scene:
             about[a : a + 2, a : a + 2] = [[numpy.cos(angle), -numpy.sin(angle)], [numpy.sin(angle), numpy.cos(angle)]]
             turn = about @ turn
         self.x = size * self.x @ turn.T
-        kinds = {(1, 1): ["part"], (2, 1): ["grad", "grad", "part"], (3, 1): ["grad", "grad", "part"], (2, 2): ["div", "shear", "strain", "strain"],
-                 (3, 3): ["div", "shear", "shears"]}[self.dim, self.d]
+        kinds = {(1, 1): ["part"], (2, 1): ["grad", "grad", "part"], (3, 1): ["grad", "grad", "part"], (2, 2): ["div", "shear", "strain", *MATRICES],
+                 (3, 3): ["div", "shear", "shears", "six", *MATRICES]}[self.dim, self.d]
         self.kind = r.choice(kinds)
         self.viscosity, self.stiffness = stiff * r.uniform(0.5, 2), stiff * r.uniform(0.5, 2)
         self.steps = r.choice([0, 3])
         self.rate = self.steps > 0 and r.random() < 0.5
-        self.radial = self.kind in ("grad", "strain", "shears")
+        self.radial = self.kind in ("grad", "strain", "shears", "six", *MATRICES)
         # A law on u may soften by less than the stiffness allows; one on the rate by less than the viscosity.
-        self.law = Law(r, 0.9 / stiff * (self.viscosity if self.rate else self.stiffness) * (0.5 if self.d > 1 else 1.0) / (self.d if self.kind == "div" else 1))
-        self.offset = r.choice([0.0, 0.0, 0.07]) if not self.radial else 0.0
+        self.law = Law(r, 0.9 / stiff * (self.viscosity if self.rate else self.stiffness) * (0.5 if self.d > 1 and self.kind != "full" else 1.0) / (self.d if self.kind == "div" else 1))
+        rows = len(rows_of(self.kind, self.dim, self.d)[1])
+        self.offset = r.choice([0.0, 0.0, 0.07]) * numpy.array([r.uniform(-1, 1) for _ in range(rows)] if self.radial else [1.0])
+        if self.kind in ("eps", "dev"):  # one that the argument can have
+            at = self.offset.reshape(self.dim, self.dim)
+            self.offset = (at + at.T - (2.0 / self.dim * numpy.trace(at) * numpy.eye(self.dim) if self.kind == "dev" else 0.0)).ravel()
         self.share = stiff * r.choice([1.0, 1.0, 0.5])
         self.load = [stiff / size * r.uniform(-1.5, 1.5) for _ in range(self.d)]
         self.rests = False  # somewhere, where forces below a yield stress may be shared in many ways
+        self.solver = r.choice(["direct", "iterative"])
         self.probed = sorted(r.sample(sorted(set(range(len(self.x))) - self.held), 3))
 
     def script(self):
@@ -167,11 +192,11 @@ class Scene:
         law = self.law.radial if self.radial else self.law.scalar
         head = f"superpotential inner({'xi' if self.radial else 'r'}) {'' if law.startswith('with') else '= '}{law}"
         vector = "scalar" if self.d == 1 else "vector"
-        product = "dot(grad({0}), grad(v))" if self.d == 1 else "eps({0}) : eps(v)"
+        product = "dot(grad({0}), grad(v))" if self.d == 1 else "grad({0}) : grad(v)" if self.kind == "full" else "eps({0}) : eps(v)"
         w = "u'" if self.rate else "u"
         at, tested = text.format(w=w), text.format(w="v")
-        if self.offset:
-            at = f"{at} - {self.offset}"
+        if self.offset.any():
+            at = f"{at} - {written(self.kind, self.dim, self.offset)}"
         ramp = "t*" if self.steps else ""
         source = f"{ramp}{self.load[0]!r}*v" if self.d == 1 else f"dot({ramp}[{', '.join(repr(v) for v in self.load)}], v)"
         forms = [f"integral(all, {self.stiffness!r}*{product.format('u')})", f"integral(all, {self.share}*inner^0({at}; {tested}))"]
@@ -180,12 +205,20 @@ class Scene:
         name = "u" if self.d == 1 else "u.{}"
         columns = [f"p{k}_{i} = {name.format(AXES[i])} at [{', '.join(repr(float(v)) for v in self.x[n])}]" for k, n in enumerate(self.probed)
                    for i in range(self.d)]
-        rows = len(rows_of(self.kind, self.dim, self.d)[1])
-        xi = [f"force{c} = integral(all, inner.xi.{AXES[c]})" for c in range(rows)] if self.radial else ["force0 = integral(all, inner.xi)"]
+        xi = [f"force{c} = integral(all, {of})" for c, of in enumerate(self.multipliers())]
         time = f" for t in [0, 1] by {self.steps} steps from u = 0" if self.steps else ""
         return "\n".join(['mesh body = gmsh("body.msh")', "part all = body.all", "part hold = body.hold", head,
                           f"space V = {vector} P1 on body, zero on hold", f"find u in V{time}", "such that for all v in V", "  " + " + ".join(forms),
                           f" >= integral(all, {source})", "report", "  table " + ", ".join(columns + xi), ""])
+
+    def multipliers(self):
+        rows = len(rows_of(self.kind, self.dim, self.d)[1])
+        if not self.radial:
+            return ["inner.xi"]
+        if self.kind == "six":  # only three numbers of a list have names
+            return [f"dot(inner.xi, {[int(c == k) for k in range(rows)]})" for c in range(rows)]
+        names = [a + b for a in AXES[: self.dim] for b in AXES[: self.dim]] if self.kind in MATRICES else AXES[:rows]
+        return [f"inner.xi.{name}" for name in names]
 
     def solve(self):
         """The columns, a row for each step."""
@@ -203,7 +236,7 @@ class Scene:
                     e[i] = slopes[a]
                     strain.append(e)
                     load[cell[a] * d + i] += self.load[i] * measure / (dim + 1)
-            sym = [e if d == 1 else 0.5 * (e + e.T) for e in strain]
+            sym = [e if d == 1 or self.kind == "full" else 0.5 * (e + e.T) for e in strain]
             for a, p in enumerate(dofs):
                 for q, row in enumerate(rows):
                     g[c, q, p] += (row * strain[a]).sum()
@@ -256,7 +289,7 @@ def compare(program, scene, folder):
     (folder / "body.msh").write_text(msh(scene.x, scene.cells, scene.held))
     path = folder / "scene.hvi"
     path.write_text(scene.script())
-    done = subprocess.run([program, "run", path, "--no-files", "--quiet", "--json", folder / "out.json"], capture_output=True, text=True, timeout=300)
+    done = subprocess.run([program, "run", path, "--solver", scene.solver, "--no-files", "--quiet", "--json", folder / "out.json"], capture_output=True, text=True, timeout=300)
     if done.returncode != 0:
         return f"exit code {done.returncode}: {done.stdout}{done.stderr}"
     judged = subprocess.run([program, "check", path], capture_output=True, text=True, timeout=300)
@@ -301,7 +334,7 @@ def main():
         unsettled += what is None
         if what:
             wrong += 1
-            print(f"scene {k} ({scene.dim}D, {scene.d} components, {scene.kind}, {scene.steps} steps, {'rate' if scene.rate else 'u'}): {what}")
+            print(f"scene {k} ({scene.dim}D, {scene.d} components, {scene.kind}, {scene.steps} steps, {'rate' if scene.rate else 'u'}, {scene.solver}): {what}")
     print(f"{wrong} wrong, {unsettled} that the reference does not settle")
     return 1 if wrong or 10 * unsettled > options.scenes else 0
 
