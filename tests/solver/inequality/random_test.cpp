@@ -10,7 +10,7 @@
 namespace hvi::solver::test {
 namespace {
 
-enum class Points { own_unknown, shared, vector };
+enum class Points { own_unknown, shared, vector, many_rows };
 
 struct Random {
   Bench bench;
@@ -29,15 +29,16 @@ Random make(unsigned seed, int n, Points kind, double ratio, double condition = 
   std::normal_distribution<double> normal;
   Random out;
   out.bench.s = random_spd(n, condition, random);
+  const bool of_vectors = kind == Points::vector || kind == Points::many_rows;
   for (const KnownLaw& law : all_laws()) {
-    if (!std::isfinite(law.m) || (kind == Points::vector && !law.spec.radial)) continue;
+    if (!std::isfinite(law.m) || (of_vectors && !law.spec.radial)) continue;
     out.bench.law(law.spec);
     out.known.push_back(&law);
   }
   const auto pick = [&](int count) {
     return static_cast<int>(random() % static_cast<unsigned>(count));
   };
-  const int count = kind == Points::vector ? n / 2 : (kind == Points::shared ? 2 * n : n);
+  const int count = of_vectors ? n / 2 : (kind == Points::shared ? 2 * n : n);
   for (int p = 0; p < count; ++p) {
     const int law = pick(static_cast<int>(out.known.size()));
     const double weight = std::pow(10.0, uniform(random)) * 0.3, offset = 0.3 * uniform(random);
@@ -46,6 +47,15 @@ Random make(unsigned seed, int n, Points kind, double ratio, double condition = 
     } else if (kind == Points::shared) {
       out.bench.point(law, weight, {{{pick(n), normal(random)}, {pick(n), normal(random)}}},
                       {offset});
+    } else if (kind == Points::many_rows) { // as those of a strain or a gradient
+      std::vector<std::vector<std::pair<int, double>>> rows(
+          static_cast<std::size_t>(4 + pick(slot::most_arguments - 3)));
+      std::vector<double> offsets;
+      for (auto& row : rows) {
+        row = {{pick(n), normal(random)}, {pick(n), normal(random)}};
+        offsets.push_back(0.3 * uniform(random));
+      }
+      out.bench.point(law, weight, rows, offsets);
     } else {
       const double a = 3.0 * uniform(random);
       out.bench.point(law, weight,
@@ -84,7 +94,8 @@ TEST_P(RandomInequality, CertificateIsHonest) {
   const Certificate own = recompute(problem.bench, problem.known, state);
   EXPECT_LE(own.residual, 1e-10);
   EXPECT_LE(own.inclusion, 1e-10);
-  EXPECT_LE(report.iterations, 60);
+  // Where there are more rows than unknowns, forces at rest may be shared in many ways.
+  EXPECT_LE(report.iterations, std::get<0>(GetParam()) == Points::many_rows ? 250 : 60);
 }
 
 TEST_P(RandomInequality, AgreesWithTheSlowReference) {
@@ -134,13 +145,14 @@ TEST_P(RandomInequality, DenseAndSparseOperatorsAgree) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, RandomInequality,
                          testing::Combine(testing::Values(Points::own_unknown, Points::shared,
-                                                          Points::vector),
+                                                          Points::vector, Points::many_rows),
                                           testing::Range(0, 40)));
 
 /// Towards the loss of uniqueness the iterations stay bounded and the answer stays certified.
 TEST(Margin, IterationsStayBoundedTowardsTheLossOfUniqueness) {
   for (const double ratio : {0.9, 0.99, 0.999, 1 - 1e-6})
-    for (const Points kind : {Points::own_unknown, Points::shared, Points::vector})
+    for (const Points kind :
+         {Points::own_unknown, Points::shared, Points::vector, Points::many_rows})
       for (unsigned seed = 0; seed < 10; ++seed) {
         const Random problem = make(seed, 10, kind, ratio);
         InequalityState state, other;
@@ -157,7 +169,8 @@ TEST(Margin, IterationsStayBoundedTowardsTheLossOfUniqueness) {
 TEST(Margin, PastTheLossOfUniquenessAnswersAreStillCertified) {
   int converged = 0;
   for (const double ratio : {1.01, 2.0})
-    for (const Points kind : {Points::own_unknown, Points::shared, Points::vector})
+    for (const Points kind :
+         {Points::own_unknown, Points::shared, Points::vector, Points::many_rows})
       for (unsigned seed = 0; seed < 20; ++seed) {
         const Random problem = make(seed, 8, kind, ratio);
         InequalityState state;
@@ -170,7 +183,7 @@ TEST(Margin, PastTheLossOfUniquenessAnswersAreStillCertified) {
         const Certificate own = recompute(problem.bench, problem.known, state);
         EXPECT_LE(std::max(own.residual, own.inclusion), 1e-10);
       }
-  EXPECT_GE(converged, 114); // of 120
+  EXPECT_GE(converged, 154); // of 160
 }
 
 /// Units do not matter: lengths by a, forces by b.
