@@ -14,8 +14,9 @@ constexpr double holding_factor = 1e8;
 /// Of difference quotients.
 constexpr double relative_change = 1e-6;
 
-using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
-using Direction = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
+using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, slot::most_arguments,
+                            slot::most_arguments>;
+using Direction = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, slot::most_arguments, 1>;
 
 /// Where a point is on its graph: 2 i in piece i, 2 i + 1 at break i, -1 at a radial law's origin.
 struct Place {
