@@ -96,7 +96,7 @@ private:
   Laws laws_{context_, limits_, states_};
   LawApplications applications_{context_, pairs_, laws_};
   Sources sources_{context_, pairs_, multipliers_, states_, laws_};
-  Probes probes_{context_, parts_, pairs_, multipliers_, states_};
+  Probes probes_{context_, parts_, pairs_, states_};
   Parameters parameters_{context_, operators_};
   Spaces spaces_{context_, parts_, pairs_};
   DeclaredValues declared_{context_, limits_, meshes_,     parts_, places_,

@@ -56,6 +56,7 @@ void Forms::form_term(const ast::FormTerm& term, bool right, bool source) {
   scope.what = right ? "a load" : "a form";
   scope.position = scope.time = scope.unknown = scope.test = true;
   scope.source = source;
+  scope.part = part.value_or(-1);
   const auto kind = part ? model_.parts[*part].kind : std::nullopt;
   scope.normal = part && (!kind || *kind == Group::Kind::facets);
   if (part && !scope.normal) scope.what = "an integral over cells";

@@ -322,14 +322,18 @@ Value Laws::member(const ast::Member& m, int declaration, const Scope& scope) {
         "it may stand in `report`, in sources on the part of the law and in superpotentials");
     return Poison{};
   }
-  int application = 0;
+  // That on the part where it is asked, else the first one.
+  const LawUse* found = nullptr;
+  int application = 0, of_found = 0;
+  bool here = false;
   for (const ModelTerm& term : model_.terms)
     for (const LawUse& use : term.integrand.laws) {
-      if (use.name == law) {
-        return multiplier_of(use, model_.laws[use.law].spec.radial, application);
-      }
+      const bool better = !found || (!here && term.part == scope.part);
+      if (use.name == law && better)
+        found = &use, of_found = application, here = term.part == scope.part;
       ++application;
     }
+  if (found) return multiplier_of(*found, model_.laws[found->law].spec.radial, of_found);
   if (model_.lacks_terms) return Poison{};
   if (scope.source)
     mistakes_.error("E0447", m.object->span,

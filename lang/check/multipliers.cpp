@@ -33,27 +33,4 @@ bool Multipliers::take_on_part(const Span& span, int part, Symbol& expression) {
   return true;
 }
 
-void Multipliers::name_on_part(int part, Symbol& expression) const {
-  int application = 0;
-  std::vector<std::pair<solver::Slot, Symbol>> rename;
-  for (const ModelTerm& term : model_.terms)
-    for (const LawUse& use : term.integrand.laws) {
-      if (term.part == part) {
-        int first = 0;
-        for (const ModelTerm& other : model_.terms)
-          for (const LawUse& earlier : other.integrand.laws) {
-            if (earlier.name == use.name && first != application &&
-                expression.depends_on_any(slot::multiplier(first, 0),
-                                          slot::multiplier(first, slot::most_arguments)))
-              for (int k = 0; k < slot::most_arguments; ++k)
-                rename.emplace_back(slot::multiplier(first, k),
-                                    Symbol::variable(slot::multiplier(application, k)));
-            ++first;
-          }
-      }
-      ++application;
-    }
-  expression = substitute(expression, rename);
-}
-
 } // namespace hvi::lang

@@ -1,5 +1,4 @@
-// Multipliers of laws, by the part on which they are asked for: `layer.xi` is read as that of the
-// first application of the law.
+// Multipliers of laws, by the part on which they are asked for.
 #pragma once
 
 #include "lang/check/context.hpp"
@@ -13,10 +12,10 @@ public:
   explicit Multipliers(const Context& context)
       : mistakes_(context.mistakes), model_(context.model) {}
 
-  /// `layer.xi` meant the first application of the law; here it is the one on this part.
+  /// False (reported) where the expression reads that of a law which does not act on this part.
+  /// `layer.xi` in a function's body meant the first application of the law; here it is that on the
+  /// part.
   bool take_on_part(const Span& span, int part, Symbol& expression);
-  /// The multiplier of a law on this very part: `layer.xi` meant the first one found by name.
-  void name_on_part(int part, Symbol& expression) const;
 
 private:
   Mistakes& mistakes_;

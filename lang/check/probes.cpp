@@ -28,6 +28,7 @@ std::optional<Probe> Probes::probe_on_part(const ast::Expr& e, const std::string
                                            const Scope& scope) {
   const auto part = reported_part(on, what);
   Scope inner = scope;
+  inner.part = part.value_or(-1);
   const auto kind = part ? model_.parts[*part].kind : std::nullopt;
   inner.normal = kind.value_or(Group::Kind::facets) == Group::Kind::facets;
   at_hand_.gap = -1;
@@ -45,7 +46,6 @@ std::optional<Probe> Probes::probe_on_part(const ast::Expr& e, const std::string
   out.origin = model_.origin(e.span);
   out.part = *part;
   out.expression = value->scalar();
-  multipliers_.name_on_part(*part, out.expression);
   if (!states_.reads_states_of(e.span, states_.without_states_of_bodies(out.expression, *part),
                                *part, what))
     return std::nullopt;

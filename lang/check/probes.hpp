@@ -2,7 +2,6 @@
 #pragma once
 
 #include "lang/check/context.hpp"
-#include "lang/check/multipliers.hpp"
 #include "lang/check/pairs.hpp"
 #include "lang/check/parts.hpp"
 #include "lang/check/states.hpp"
@@ -17,11 +16,10 @@ bool has_probes(const Symbol& value);
 
 class Probes {
 public:
-  Probes(const Context& context, Parts& parts, Pairs& pairs, const Multipliers& multipliers,
-         States& states)
+  Probes(const Context& context, Parts& parts, Pairs& pairs, States& states)
       : mistakes_(context.mistakes), names_(context.names), model_(context.model),
         unknowns_(context.unknowns), evaluator_(context.evaluator), at_hand_(context.at_hand),
-        parts_(parts), pairs_(pairs), multipliers_(multipliers), states_(states) {}
+        parts_(parts), pairs_(pairs), states_(states) {}
 
   /// integral(part, expression) in a report.
   Value integral_call(const ast::Expr& e, const ast::Call& call, const Scope& scope);
@@ -49,7 +47,6 @@ private:
   AtHand& at_hand_;
   Parts& parts_;
   Pairs& pairs_;
-  const Multipliers& multipliers_;
   States& states_;
 };
 

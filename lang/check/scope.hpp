@@ -21,6 +21,7 @@ struct Scope {
   bool law = false;      ///< the body of a superpotential
   bool states = false;   ///< states of points
   bool source = false;   ///< a source that reads multipliers of laws, nonlinear in u as it likes
+  int part = -1;         ///< on which it is asked; -1: on no part that is said
   std::map<std::string, Value> locals;
   Span call; ///< the call that brought us into another file, if any
 
@@ -29,7 +30,7 @@ struct Scope {
   /// The same things visible inside a function, whose arguments are its only locals.
   [[nodiscard]] Scope without_locals() const {
     return {what,   position, time,   lag,    normal, unknown, test,
-            report, law,      states, source, {},     call};
+            report, law,      states, source, part,   {},      call};
   }
 };
 

@@ -71,6 +71,7 @@ void States::state_rate(ModelState& state) {
   Scope scope;
   scope.what = "the rate of a state";
   scope.position = scope.time = scope.unknown = scope.report = scope.states = true;
+  scope.part = state.spec.part;
   const auto kind = model_.parts[state.spec.part].kind;
   scope.normal = kind.value_or(solver::Group::Kind::facets) == solver::Group::Kind::facets;
   const bool read_by_others = names_[state.declaration].used;

@@ -67,6 +67,13 @@ def aged(dim):
     return case
 
 
+def on_two_parts():
+    """One law of a vector on the boundary and of a matrix in the body: its multiplier has the shape that it has where it is asked."""
+    table = SIZE + ", most = largest(body, norm({inside})), pull = integral(far, {outside}.x), xy = integral(body, {inside}.xy)"
+    return vector(1, 3, "integral(far, vec^0(u; v)) + integral(body, vec^0(eps(u); eps(v)))", "integral(far, 3*dot(u, v), rule = nodal) + integral(body, 3*eps(u) : eps(v))",
+                  table=table.format(inside="vec.xi", outside="vec.xi"), of_form={"table": table.format(inside="(3*eps(u))", outside="(3*u)")})
+
+
 def gradient(of):
     return f"integral(body, vec^0(grad({of}); grad(v)))", f"integral(body, 3*dot(grad({of}), grad(v)))"
 
@@ -86,6 +93,7 @@ def cases(order):
     if order == 1:  # the middles of cells, for both
         yield "coefficients", scalar(order, "integral(body, 2*lin^0((1 + x)*grad(u).x + u; (1 + x)*grad(v).x + v), rule = midpoint)",
                                      "integral(body, 6*((1 + x)*grad(u).x + u)*((1 + x)*grad(v).x + v), rule = midpoint)")
+        yield "a law on two parts", on_two_parts()
         for dim in (2, 3):
             yield f"{dim}D, a law with a state of its stress", aged(dim)
         yield "rings of vectors", vector(order, 2, "integral(body, vec^0(eps(u); eps(v)))", "integral(body, 3*eps(u) : eps(v), rule = midpoint)",
