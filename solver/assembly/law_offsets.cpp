@@ -35,11 +35,13 @@ Vector reduced_offset(const LawPoints& points, const LawTerm& term, std::size_t 
   const DenseMatrix& frame = points.frames[p];
   Vector reduced = frame.transpose() * offset;
   if ((offset - frame * reduced).norm() > 1e-9 * offset.norm()) {
-    throw Failure(FailureKind::bad_value, term.origin,
-                  fmt::format("the argument of the law `{}` at {} is moved by a vector that u "
-                              "cannot reach",
-                              term.name, describe_point(points.x[p], points.dim)),
-                  "project the offset as u is projected, for example on the tangent plane");
+    throw Failure(
+        FailureKind::bad_value, term.origin,
+        fmt::format("the argument of the law `{}` at {} is moved by a vector that u "
+                    "cannot reach",
+                    term.name, describe_point(points.x[p], points.dim)),
+        "project the offset as u is projected, for example on the tangent plane; what moves "
+        "a strain is symmetric");
   }
   return reduced;
 }
