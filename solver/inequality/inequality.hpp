@@ -3,9 +3,10 @@
 //     S c + sum_p w_p G_p^T xi_p = r,     xi_p in dj_p(z_p),   z_p = s_p G_p c + g_p        (*)
 //
 // S is the Schur complement on the contact unknowns, p runs over the quadrature points of all laws,
-// G_p (1 to 9 rows) takes the contact unknowns to the law's argument, g_p is what is known of it.
-// s_p > 0 is 1 where c is what the law sees; where it sees a rate and c is an increment, it is
-// about 1 / k. With rows s_p G_p and weights w_p / s_p that is the same problem with s = 1.
+// G_p (of up to slot::most_arguments rows) takes the contact unknowns to the law's argument, g_p is
+// what is known of it. s_p > 0 is 1 where c is what the law sees; where it sees a rate and c is an
+// increment, it is about 1 / k. With rows s_p G_p and weights w_p / s_p that is the same problem
+// with s = 1.
 #pragma once
 
 #include "solver/law/branch.hpp"

@@ -149,7 +149,8 @@ ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperat
     constexpr int most_rows = slot::most_arguments;
     if (!(in.weight > 0.0) || in.rows < 1 || in.rows > most_rows || in.first_row + in.rows > rows)
       throw Failure(FailureKind::bad_value, {},
-                    "a contact point needs a positive weight and 1 to 9 rows");
+                    "a contact point needs a positive weight and 1 to " +
+                        std::to_string(most_rows) + " rows");
     Small factor = Small::Ones(in.rows);
     for (int k = 0; k < in.rows && !factors.empty(); ++k)
       factor[k] = factors[static_cast<std::size_t>(most_rows * in.application + k)];
