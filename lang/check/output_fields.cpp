@@ -38,6 +38,13 @@ const char* word_of(ast::BinaryOp op) {
 
 } // namespace
 
+/// Is it a number, or a vector or a matrix of the space (reported elsewhere where there is none)?
+bool OutputFields::fits(const Field& f) const {
+  if (f.rank == 0 || model_.dim == 0) return true;
+  if (f.rank == 1) return f.rows == model_.dim;
+  return f.rows == f.columns && (f.rows == model_.dim || f.rows == tensor_dim(model_));
+}
+
 std::optional<solver::FieldSpec> OutputFields::output_field(const ast::Expr& e) {
   Scope scope = report_scope();
   auto f = evaluator_.field(e, scope);
@@ -52,6 +59,13 @@ std::optional<solver::FieldSpec> OutputFields::output_field(const ast::Expr& e) 
     }
   if (f->rank > 2 || f->law_vector) {
     mistakes_.error("E0306", e.span, fmt::format("{} cannot be written as a field", describe(*f)));
+    return std::nullopt;
+  }
+  if (!fits(*f)) {
+    mistakes_.error("E0306", e.span,
+                    fmt::format("{} cannot be written as a field in {}D", describe(*f), model_.dim),
+                    "write a part of it, `norm(..)` or `dot(.., [1, 0, 0])`; a law of `eps(u)` has "
+                    "a matrix as its multiplier");
     return std::nullopt;
   }
   for (const Symbol& c : f->components)

@@ -26,6 +26,7 @@ public:
   bool is_new(const solver::FieldSpec& field, const std::vector<solver::FieldSpec>& before);
 
 private:
+  bool fits(const Field& field) const;
   std::string name_of(const ast::Expr& e, const std::vector<Symbol>& components);
 
   Mistakes& mistakes_;
