@@ -70,30 +70,43 @@ void PreparedLaws::look_for_softening() {
 
 namespace {
 
-/// Stiffness of the body felt at a point, sum s_i G_i^2 / (sum G_i^2)^2 averaged over its rows, s_i
-/// that at each unknown (ReducedOperator::own_stiffness). Of rows that see the same unknowns, as
-/// gradients in a cell, what one has beyond the others counts, the longest one first, and rounding
-/// does not: one node of a cell turns with the axes. 0: there is none.
-double stiffness_felt(const SparseMatrix& g, const ContactPoint& in, const Vector& stiffness) {
+/// Rows of a point of which none is made of the others but for rounding; the longest ones first.
+std::vector<int> independent_rows(DenseMatrix rows) {
   constexpr double rounding = 1e-10;
-  const DenseRows seen = dense_rows(g, in.first_row, in.rows);
-  DenseMatrix left = seen.g;
-  double sum = 0.0, first = 0.0;
-  for (int found = 0; found < in.rows; ++found) {
+  std::vector<int> out;
+  double first = 0.0;
+  while (std::ssize(out) < rows.rows()) {
     Eigen::Index longest = 0;
-    const double square = left.rowwise().squaredNorm().maxCoeff(&longest);
-    if (found == 0) first = square;
-    if (!(square > rounding * rounding * first)) return found > 0 ? sum / found : 0.0;
-    const Vector row = left.row(longest);
-    double weighted = 0.0;
-    for (Eigen::Index i = 0; i < row.size(); ++i)
-      weighted += stiffness[seen.unknowns[static_cast<std::size_t>(i)]] * row[i] * row[i];
-    sum += weighted / (square * square);
-    for (int k = 0; k < in.rows; ++k)
-      left.row(k) -= left.row(k).dot(row) / square * row.transpose();
-    left.row(longest).setZero();
+    const double square = rows.rowwise().squaredNorm().maxCoeff(&longest);
+    if (out.empty()) first = square;
+    if (!(square > rounding * rounding * first)) break;
+    out.push_back(static_cast<int>(longest));
+    const Vector row = rows.row(longest);
+    for (Eigen::Index k = 0; k < rows.rows(); ++k)
+      rows.row(k) -= rows.row(k).dot(row) / square * row.transpose();
+    rows.row(longest).setZero();
   }
-  return sum / in.rows;
+  return out;
+}
+
+/// Stiffness of the body felt at a point, sum s_i G_i^2 / (sum G_i^2)^2 averaged over its rows, s_i
+/// that at each unknown (ReducedOperator::own_stiffness); 0: there is none. Of the gradient in a
+/// cell with one free node, which is that node's value times a direction, the longest row counts:
+/// where the direction is along an axis the others are rounding.
+double stiffness_felt(const SparseMatrix& g, const ContactPoint& in, const Vector& stiffness) {
+  const DenseRows seen = dense_rows(g, in.first_row, in.rows);
+  const std::vector<int> counted = independent_rows(seen.g);
+  double sum = 0.0;
+  for (const int k : counted) {
+    double square = 0.0, weighted = 0.0;
+    for (Eigen::Index i = 0; i < seen.g.cols(); ++i) {
+      const double of_unknown = seen.g(k, i) * seen.g(k, i);
+      square += of_unknown;
+      weighted += stiffness[seen.unknowns[static_cast<std::size_t>(i)]] * of_unknown;
+    }
+    sum += weighted / (square * square);
+  }
+  return counted.empty() ? 0.0 : sum / static_cast<double>(counted.size());
 }
 
 /// That stiffness k sets both scales: gamma = w / k, penalty = kappa k / w. Where a row touches one
