@@ -64,9 +64,11 @@ struct PointData {
   }
   std::size_t entries() const { return static_cast<std::size_t>(rows * rows); }
   /// Its matrix: entry (i, j) is block[rows * i + j].
-  std::span<double> block(PointMatrices& all) const { return {&all[first_entry], entries()}; }
+  std::span<double> block(PointMatrices& all) const {
+    return {all.data() + first_entry, entries()};
+  }
   std::span<const double> block(const PointMatrices& all) const {
-    return {&all[first_entry], entries()};
+    return {all.data() + first_entry, entries()};
   }
   void put_multiple(PointMatrices& all, double of_one) const { ///< of the identity
     const auto m = block(all);

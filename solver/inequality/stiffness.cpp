@@ -40,8 +40,8 @@ std::vector<int> StiffnessPattern::take(const PointData& q) {
 void StiffnessPattern::add(int p, std::span<const double> d, SparseMatrix& h) const {
   const PointData& q = points_[p];
   const Seen& seen = seen_[static_cast<std::size_t>(p)];
-  const double* const g = &g_[seen.first_g];
-  const int* place = &places_[seen.first_place];
+  const double* const g = g_.data() + seen.first_g;
+  const int* place = places_.data() + seen.first_place;
   double* const values = h.valuePtr();
   std::array<double, slot::most_arguments> force; // of column j, weighted
   for (std::size_t j = 0; j < seen.columns; ++j) {
