@@ -13,81 +13,106 @@
 
 namespace hvi::solver::supernode_kernels {
 
-/// How many entries ahead of use memory is prefetched: processors foresee streams within a page
-/// only.
-constexpr int ahead = 1024;
+constexpr int width = 4;
+
+/// How many entries ahead of use memory is prefetched, as processors foresee streams within a page
+/// only: the same rows of the next columns, which follow in memory. Less than that would fetch what
+/// the columns at hand have read already.
+constexpr std::size_t least_ahead = 1024;
+HVI_INLINE std::ptrdiff_t ahead(std::size_t stride) {
+  return static_cast<std::ptrdiff_t>(std::max(least_ahead, width * stride));
+}
 
 /// Into the second cache: the first one waits for few lines at a time, and with all of them taken
 /// by what comes later a solve takes a third longer.
-template <class Entry>
-HVI_INLINE void fetch(const Entry* entry) {
+template <int Width, class Entry>
+HVI_INLINE void prefetch(const Entry* column, std::size_t stride) {
   constexpr int read = 0, second_cache = 2;
-  __builtin_prefetch(entry, read, second_cache);
+#pragma GCC unroll 4
+  for (int a = 0; a < Width; ++a) __builtin_prefetch(column + a * stride, read, second_cache);
 }
 
-/// w[i..) -= sum_a column_a[i..) t[a], as many whole packs as fit before count; returns the end.
-template <int Lanes, int Width, class Entry>
-HVI_INLINE int subtract_packs(const Entry* column, std::size_t stride, int i, int count,
-                              const double* t, double* w) {
-  for (; i + Lanes <= count; i += Lanes) {
-    Pack<Lanes> sum, entry;
-    load<Lanes>(w + i, sum);
-    for (int a = 0; a < Width; ++a) {
-      if constexpr (Lanes == 8) fetch(column + a * stride + i + ahead);
-      load<Lanes>(column + a * stride + i, entry);
-      sum -= entry * t[a];
-    }
-    std::memcpy(w + i, &sum, sizeof sum);
+/// What a prefetch gets.
+template <class Entry>
+constexpr int line = 64 / sizeof(Entry);
+
+/// w[0..Lanes) -= sum_a column_a[0..Lanes) t[a]
+template <int Width, int Lanes, class Entry>
+HVI_INLINE void subtract_pack(const Entry* column, std::size_t stride, const double* t, double* w) {
+  Pack<Lanes> sum, entry;
+  load<Lanes>(w, sum);
+#pragma GCC unroll 4
+  for (int a = 0; a < Width; ++a) {
+    load<Lanes>(column + a * stride, entry);
+    sum -= entry * t[a];
   }
-  return i;
+  std::memcpy(w, &sum, sizeof sum);
 }
 
 /// w[0..count) -= sum_a column_a[0..count) t[a]
-template <int Width, class Entry>
+template <int Width, int Lanes, class Entry>
 HVI_INLINE void subtract_columns(const Entry* column, std::size_t stride, int count,
                                  const double* t, double* w) {
-  int i = subtract_packs<8, Width>(column, stride, 0, count, t, w);
-  i = subtract_packs<4, Width>(column, stride, i, count, t, w);
+  const Entry* const later = column + ahead(stride);
+  int i = 0;
+  for (; i + line<Entry> <= count; i += line<Entry>) {
+    prefetch<Width>(later + i, stride);
+#pragma GCC unroll 4
+    for (int k = 0; k < line<Entry>; k += Lanes)
+      subtract_pack<Width, Lanes>(column + i + k, stride, t, w + i + k);
+  }
+  for (; i + Lanes <= count; i += Lanes) subtract_pack<Width, Lanes>(column + i, stride, t, w + i);
+  if constexpr (Lanes > 4)
+    for (; i + 4 <= count; i += 4) subtract_pack<Width, 4>(column + i, stride, t, w + i);
   for (; i < count; ++i)
     for (int a = 0; a < Width; ++a) w[i] -= column[a * stride + i] * t[a];
 }
 
+/// sum_a += column_a[0..Lanes) w[0..Lanes), lane by lane
+template <int Width, int Lanes, class Entry>
+HVI_INLINE void add_products(const Entry* column, std::size_t stride, const double* w,
+                             Pack<Lanes>* sum) {
+  Pack<Lanes> other, entry;
+  load<Lanes>(w, other);
+#pragma GCC unroll 4
+  for (int a = 0; a < Width; ++a) {
+    load<Lanes>(column + a * stride, entry);
+    sum[a] += entry * other;
+  }
+}
+
+HVI_INLINE void fold(const Pack<8>& sum, Pack<4>& out) {
+  out =
+      __builtin_shufflevector(sum, sum, 0, 1, 2, 3) + __builtin_shufflevector(sum, sum, 4, 5, 6, 7);
+}
+HVI_INLINE void fold(const Pack<4>& sum, Pack<4>& out) { out = sum; }
+
 /// t[a] -= column_a[0..count) . w[0..count)
-template <int Width, class Entry>
+template <int Width, int Lanes, class Entry>
 HVI_INLINE void subtract_products(const Entry* column, std::size_t stride, int count,
                                   const double* w, double* t) {
-  Pack<8> sum[Width] = {};
+  const Entry* const later = column - ahead(stride);
+  Pack<Lanes> sum[Width] = {};
   int i = 0;
-  for (; i + 8 <= count; i += 8) {
-    Pack<8> other, entry;
-    load<8>(w + i, other);
-    for (int a = 0; a < Width; ++a) {
-      fetch(column + a * stride + i - ahead);
-      load<8>(column + a * stride + i, entry);
-      sum[a] += entry * other;
-    }
+  for (; i + line<Entry> <= count; i += line<Entry>) {
+    prefetch<Width>(later + i, stride);
+#pragma GCC unroll 4
+    for (int k = 0; k < line<Entry>; k += Lanes)
+      add_products<Width, Lanes>(column + i + k, stride, w + i + k, sum);
   }
-  Pack<4> half[Width];
-  for (int a = 0; a < Width; ++a)
-    half[a] = __builtin_shufflevector(sum[a], sum[a], 0, 1, 2, 3) +
-              __builtin_shufflevector(sum[a], sum[a], 4, 5, 6, 7);
-  for (; i + 4 <= count; i += 4) {
-    Pack<4> other, entry;
-    load<4>(w + i, other);
-    for (int a = 0; a < Width; ++a) {
-      load<4>(column + a * stride + i, entry);
-      half[a] += entry * other;
-    }
-  }
+  for (; i + Lanes <= count; i += Lanes) add_products<Width, Lanes>(column + i, stride, w + i, sum);
+  Pack<4> four[Width];
+  for (int a = 0; a < Width; ++a) fold(sum[a], four[a]);
+  for (; i + 4 <= count; i += 4) add_products<Width, 4>(column + i, stride, w + i, four);
   for (int a = 0; a < Width; ++a) {
-    double total = (half[a][0] + half[a][1]) + (half[a][2] + half[a][3]);
+    double total = (four[a][0] + four[a][1]) + (four[a][2] + four[a][3]);
     for (int rest = i; rest < count; ++rest) total += column[a * stride + rest] * w[rest];
     t[a] -= total;
   }
 }
 
 /// One block of `Width` columns from `j` on: solves with its triangle, updates the rows below.
-template <int Width, class Entry>
+template <int Width, int Lanes, class Entry>
 HVI_INLINE void forward_block(const Entry* l, std::size_t stride, int j, int rows,
                               const double* inverse, double* w) {
   const Entry* column = l + static_cast<std::size_t>(j) * stride;
@@ -98,41 +123,40 @@ HVI_INLINE void forward_block(const Entry* l, std::size_t stride, int j, int row
     t[a] = value * inverse[j + a];
     w[j + a] = t[a];
   }
-  subtract_columns<Width>(column + j + Width, stride, rows - j - Width, t, w + j + Width);
+  subtract_columns<Width, Lanes>(column + j + Width, stride, rows - j - Width, t, w + j + Width);
 }
 
-template <int Width, class Entry>
+template <int Width, int Lanes, class Entry>
 HVI_INLINE void backward_block(const Entry* l, std::size_t stride, int j, int rows,
                                const double* inverse, double* w) {
   const Entry* column = l + static_cast<std::size_t>(j) * stride;
   double* t = w + j;
-  subtract_products<Width>(column + j + Width, stride, rows - j - Width, w + j + Width, t);
+  subtract_products<Width, Lanes>(column + j + Width, stride, rows - j - Width, w + j + Width, t);
   for (int a = Width - 1; a >= 0; --a) {
     for (int b = a + 1; b < Width; ++b) t[a] -= column[a * stride + j + b] * t[b];
     t[a] *= inverse[j + a];
   }
 }
 
-constexpr int width = 4;
-
 /// Forward through one panel; w is its part of the right-hand side with zeros below.
-template <class Entry>
+template <int Lanes, class Entry>
 HVI_INLINE void forward_panel(const Entry* l, const Panel& panel, const double* inverse,
                               double* w) {
   const auto stride = static_cast<std::size_t>(panel.stride);
   int j = 0;
   for (; j + width <= panel.columns; j += width)
-    forward_block<width>(l, stride, j, panel.rows, inverse, w);
-  for (; j < panel.columns; ++j) forward_block<1>(l, stride, j, panel.rows, inverse, w);
+    forward_block<width, Lanes>(l, stride, j, panel.rows, inverse, w);
+  for (; j < panel.columns; ++j) forward_block<1, Lanes>(l, stride, j, panel.rows, inverse, w);
 }
 
-template <class Entry>
+template <int Lanes, class Entry>
 HVI_INLINE void backward_panel(const Entry* l, const Panel& panel, const double* inverse,
                                double* w) {
   const auto stride = static_cast<std::size_t>(panel.stride);
   int j = panel.columns;
-  for (; j % width != 0; --j) backward_block<1>(l, stride, j - 1, panel.rows, inverse, w);
-  for (; j > 0; j -= width) backward_block<width>(l, stride, j - width, panel.rows, inverse, w);
+  for (; j % width != 0; --j) backward_block<1, Lanes>(l, stride, j - 1, panel.rows, inverse, w);
+  for (; j > 0; j -= width)
+    backward_block<width, Lanes>(l, stride, j - width, panel.rows, inverse, w);
 }
 
 /// The data of a triangular solve.
@@ -145,7 +169,7 @@ struct TriangularSolve {
   double* work;
 };
 
-template <class Entry>
+template <int Lanes, class Entry>
 HVI_INLINE void forward_solve(const TriangularSolve<Entry>& solve, double* y) {
   for (const Panel& panel : solve.panels) {
     double* w = solve.work;
@@ -156,13 +180,14 @@ HVI_INLINE void forward_solve(const TriangularSolve<Entry>& solve, double* y) {
     if (std::all_of(own, own + panel.columns, [](double v) { return v == 0.0; })) continue;
     std::memcpy(w, own, sizeof(double) * static_cast<std::size_t>(panel.columns));
     std::memset(w + panel.columns, 0, sizeof(double) * static_cast<std::size_t>(beneath));
-    forward_panel(solve.values + panel.values, panel, solve.inverse_diagonal + panel.first, w);
+    forward_panel<Lanes>(solve.values + panel.values, panel, solve.inverse_diagonal + panel.first,
+                         w);
     std::memcpy(y + panel.first, w, sizeof(double) * static_cast<std::size_t>(panel.columns));
     for (int i = 0; i < beneath; ++i) y[row[i]] += w[panel.columns + i];
   }
 }
 
-template <class Entry>
+template <int Lanes, class Entry>
 HVI_INLINE void backward_solve(const TriangularSolve<Entry>& solve, double* x) {
   for (auto panel = solve.panels.rbegin(); panel != solve.panels.rend(); ++panel) {
     double* w = solve.work;
@@ -170,15 +195,10 @@ HVI_INLINE void backward_solve(const TriangularSolve<Entry>& solve, double* x) {
     const int* row = solve.below + panel->below;
     std::memcpy(w, x + panel->first, sizeof(double) * static_cast<std::size_t>(panel->columns));
     for (int i = 0; i < beneath; ++i) w[panel->columns + i] = x[row[i]];
-    backward_panel(solve.values + panel->values, *panel, solve.inverse_diagonal + panel->first, w);
+    backward_panel<Lanes>(solve.values + panel->values, *panel,
+                          solve.inverse_diagonal + panel->first, w);
     std::memcpy(x + panel->first, w, sizeof(double) * static_cast<std::size_t>(panel->columns));
   }
-}
-
-template <int Width, class Entry>
-HVI_INLINE void prefetch(const Entry* column, std::size_t stride) {
-#pragma GCC unroll 4
-  for (int a = 0; a < Width; ++a) fetch(column + a * stride);
 }
 
 /// t[a][g] -= sum_i column_a[i] w[i][g] for Packs packs g of rows that are `row` numbers wide.
@@ -191,7 +211,7 @@ HVI_INLINE void subtract_all(const Entry* column, std::size_t stride, int count,
 #pragma GCC unroll 2
     for (int g = 0; g < Packs; ++g) load<Lanes>(t + a * row + g * Lanes, sum[a][g]);
   for (int i = 0; i < count; ++i) {
-    if (i % 8 == 0) prefetch<Width>(column + i - ahead, stride);
+    if (i % line<Entry> == 0) prefetch<Width>(column + i - ahead(stride), stride);
     Pack<Lanes> other[Packs];
 #pragma GCC unroll 2
     for (int g = 0; g < Packs; ++g) load<Lanes>(w + i * row + g * Lanes, other[g]);
@@ -218,7 +238,7 @@ HVI_INLINE void subtract_from_all(const Entry* column, std::size_t stride, int c
 #pragma GCC unroll 2
     for (int g = 0; g < Packs; ++g) load<Lanes>(t + a * row + g * Lanes, known[a][g]);
   for (int i = 0; i < count; ++i) {
-    if (i % 8 == 0) prefetch<Width>(column + i + ahead, stride);
+    if (i % line<Entry> == 0) prefetch<Width>(column + i + ahead(stride), stride);
 #pragma GCC unroll 2
     for (int g = 0; g < Packs; ++g) {
       Pack<Lanes> sum;
@@ -358,12 +378,12 @@ HVI_INLINE void backward_solve_all(const TriangularSolve<Entry>& solve, int row,
 /// One right-hand side, or several with packs of 4, or of 8.
 template <int Lanes, class Entry>
 HVI_INLINE void forward_any(const TriangularSolve<Entry>& s, int stride, double* y) {
-  if (stride == 1) return forward_solve(s, y);
+  if (stride == 1) return forward_solve<Lanes>(s, y);
   forward_solve_all<2, Lanes>(s, stride, y);
 }
 template <int Lanes, class Entry>
 HVI_INLINE void backward_any(const TriangularSolve<Entry>& s, int stride, double* x) {
-  if (stride == 1) return backward_solve(s, x);
+  if (stride == 1) return backward_solve<Lanes>(s, x);
   backward_solve_all<2, Lanes>(s, stride, x);
 }
 
