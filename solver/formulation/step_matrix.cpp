@@ -8,7 +8,7 @@
 namespace hvi::solver {
 
 void StepMatrix::factor(const Vector& gamma) {
-  solver_.reset();
+  solver_.reset(), reduced_.reset(); // which reads S of the factor
   FactoredMatrix::factor(gamma);
   contact_diagonal_.resize(static_cast<Eigen::Index>(contact_.loaded.size()));
   const Vector diagonal = dealt() != nullptr ? dealt()->diagonal() : Vector();

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace hvi::solver {
 
@@ -76,9 +77,9 @@ void add_magnitudes(const double* a, int n, const double* x, double* sum) {
 
 class DenseOperator final : public ReducedOperator {
 public:
-  DenseOperator(const DenseMatrix& s, bool symmetric)
-      : s_(s), symmetric_(symmetric),
-        unit_(s.rows() > 0 ? s.diagonal().cwiseAbs().maxCoeff() : 1.0), pivots_(s.rows()) {
+  DenseOperator(std::shared_ptr<const DenseMatrix> s, bool symmetric)
+      : shared_(std::move(s)), s_(*shared_), symmetric_(symmetric),
+        unit_(s_.rows() > 0 ? s_.diagonal().cwiseAbs().maxCoeff() : 1.0), pivots_(s_.rows()) {
     if (!(unit_ > 0.0)) unit_ = 1.0;
   }
 
@@ -89,7 +90,7 @@ public:
     std::copy_n(s_.data() + static_cast<std::ptrdiff_t>(j) * size(), size(), out);
   }
   std::unique_ptr<ReducedOperator> unsymmetric() const override {
-    return std::make_unique<DenseOperator>(s_, false);
+    return std::make_unique<DenseOperator>(shared_, false);
   }
   int determinant_sign() const override {
     if (symmetric_ || !exact_) return 0;
@@ -102,7 +103,7 @@ public:
   }
   int patience() const override { return 2 + size() / 100; }
   double bytes() const override {
-    return static_cast<double>(s_.size() + factor_.size()) * sizeof(double) +
+    return static_cast<double>(factor_.size()) * sizeof(double) +
            static_cast<double>(rough_factor_.capacity() + rough_inverse_.capacity()) *
                sizeof(float);
   }
@@ -312,7 +313,8 @@ private:
   static constexpr int largest_inverted = 600;
   static constexpr float smallest_rounded_pivot = 1e-4F;
 
-  DenseMatrix s_;
+  std::shared_ptr<const DenseMatrix> shared_;
+  const DenseMatrix& s_; ///< of it
   mutable Vector magnitudes_;
   SparseMatrix h_;
   mutable DenseMatrix factor_;
@@ -329,8 +331,13 @@ private:
 
 } // namespace
 
+std::unique_ptr<ReducedOperator> dense_operator(std::shared_ptr<const DenseMatrix> s,
+                                                bool symmetric) {
+  return std::make_unique<DenseOperator>(std::move(s), symmetric);
+}
+
 std::unique_ptr<ReducedOperator> dense_operator(const DenseMatrix& s, bool symmetric) {
-  return std::make_unique<DenseOperator>(s, symmetric);
+  return dense_operator(std::make_shared<const DenseMatrix>(s), symmetric);
 }
 
 } // namespace hvi::solver

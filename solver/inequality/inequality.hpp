@@ -69,7 +69,10 @@ public:
   virtual int patience() const = 0;
   virtual double bytes() const = 0; ///< held
 };
-std::unique_ptr<ReducedOperator> dense_operator(const DenseMatrix& s, bool symmetric);
+/// `s` is not counted in its bytes.
+std::unique_ptr<ReducedOperator> dense_operator(std::shared_ptr<const DenseMatrix> s,
+                                                bool symmetric);
+std::unique_ptr<ReducedOperator> dense_operator(const DenseMatrix& s, bool symmetric); ///< a copy
 std::unique_ptr<ReducedOperator> sparse_operator(const SparseMatrix& k, bool symmetric);
 
 /// One quadrature point of one law.

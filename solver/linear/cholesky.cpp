@@ -1,5 +1,5 @@
-// The symmetric factorisation: K = L L^T by CHOLMOD with the contact unknowns last, so that the
-// trailing block L22 of L gives the Schur complement S = L22 L22^T without a solve.
+// The symmetric factorisation: K = L L^T by CHOLMOD with the contact unknowns last, so that what
+// the elimination of the others leaves of K is the Schur complement S = L22 L22^T, without a solve.
 //
 // Y. Chen, T. A. Davis, W. W. Hager, S. Rajamanickam, Algorithm 887: CHOLMOD, supernodal sparse
 // Cholesky factorization and update/downdate, ACM Trans. Math. Softw. 35 (2008).
@@ -31,41 +31,32 @@ constexpr double most_left = 0.01;
 /// The range of singles, whose squares are formed.
 constexpr double least_single = 1e-15, most_single = 1e15;
 
-/// L L^T for a lower triangle, by columns of blocks: a block column of the product takes only the
-/// columns of L up to its end. OpenBLAS, as Eigen's own product is compiled for any processor.
+/// The whole of a symmetric matrix from its lower triangle, by blocks that stay in the caches.
 template <class Entry>
-DenseMatrix times_transpose(const SquareOf<Entry>& l) {
-  const OneBlasThread one_thread;
-  constexpr int block = 128;
-  const int size = static_cast<int>(l.rows());
-  SquareOf<Entry> columns(size, std::min(block, size));
-  DenseMatrix out(size, size);
-  for (int first = 0; first < size; first += block) {
-    const int count = std::min(block, size - first);
-    dense_blocks::product(size - first, count, first + count, &l(first, 0), &l(first, 0), size,
-                          columns.data(), size);
-    out.block(first, first, size - first, count) =
-        columns.topLeftCorner(size - first, count).template cast<double>();
-  }
-  out.triangularView<Eigen::StrictlyUpper>() = out.transpose();
+DenseMatrix both_triangles(const SquareOf<Entry>& lower) {
+  constexpr Eigen::Index block = 64;
+  const Eigen::Index n = lower.rows();
+  DenseMatrix out(n, n);
+  for (Eigen::Index j = 0; j < n; j += block)
+    for (Eigen::Index i = j; i < n; i += block) {
+      const Eigen::Index rows = std::min(block, n - i), columns = std::min(block, n - j);
+      DenseMatrix part = lower.block(i, j, rows, columns).template cast<double>();
+      if (i == j) part = DenseMatrix(part.selfadjointView<Eigen::Lower>());
+      out.block(i, j, rows, columns) = part;
+      out.block(j, i, columns, rows) = part.transpose();
+    }
   return out;
 }
 
-/// L22 of the contact unknowns, and S = L22 L22^T.
+/// S of the contact unknowns, and L22 with S = L22 L22^T.
 class ContactFactor {
 public:
-  void take_from(CholeskyFactor& l) {
+  /// The diagonal of L22, up to the first pivot that is not positive.
+  std::vector<double> take_from(CholeskyFactor& l) {
     doubles_.resize(0, 0), singles_.resize(0, 0), schur_.resize(0, 0);
-    if (l.entries() == FactorEntries::singles)
-      l.take_trailing_block(singles_);
-    else
-      l.take_trailing_block(doubles_);
+    return l.entries() == FactorEntries::singles ? take_from(l, singles_) : take_from(l, doubles_);
   }
-  const DenseMatrix& schur() const {
-    if (schur_.size() > 0) return schur_;
-    schur_ = singles_.size() > 0 ? times_transpose(singles_) : times_transpose(doubles_);
-    return schur_;
-  }
+  const DenseMatrix& schur() const { return schur_; }
   /// In place, for one right-hand side.
   void forward(double* y) const {
     if (singles_.size() > 0) return forward_with_singles(y);
@@ -77,6 +68,18 @@ public:
   }
 
 private:
+  template <class Entry>
+  std::vector<double> take_from(CholeskyFactor& l, SquareOf<Entry>& l22) {
+    l.take_trailing_block(l22);
+    schur_ = both_triangles(l22);
+    const OneBlasThread one_thread;
+    const auto n = static_cast<int>(l22.rows());
+    const int failed = n > 0 ? dense_blocks::cholesky(n, l22.data(), n) : 0;
+    std::vector<double> diagonal(static_cast<std::size_t>(failed > 0 ? failed - 1 : n));
+    for (std::size_t i = 0; i < diagonal.size(); ++i)
+      diagonal[i] = l22.diagonal()[static_cast<Eigen::Index>(i)];
+    return diagonal;
+  }
   void forward_with_singles(double* y) const {
     const Eigen::Index n = singles_.rows();
     for (Eigen::Index j = 0; j < n; ++j) {
@@ -94,7 +97,7 @@ private:
 
   SquareOf<double> doubles_; ///< L22 is the one of both that is not empty
   SquareOf<float> singles_;
-  mutable DenseMatrix schur_; ///< made at the first use after a factorisation
+  DenseMatrix schur_;
 };
 
 /// A triangular solve reads the columns of the interior; with one right-hand side what counts is
@@ -166,10 +169,10 @@ Cholesky::Cholesky(const Cholesky& analysed, double start)
 }
 
 void Cholesky::take_factor(const SparseMatrix& k) {
-  l_.compute(k);
+  std::vector<double> of_contact;
+  if (l_.compute(k)) of_contact = contact_.take_from(l_);
   ++statistics_.factorisations;
-  l_.take_diagonal(lower_.inverse_diagonal);
-  contact_.take_from(l_);
+  l_.take_diagonal(of_contact, lower_.inverse_diagonal);
   factored_ = true;
 }
 

@@ -84,37 +84,45 @@ void CholeskyFactor::make_room() {
   advise_large_pages(l->x, l->xsize * sizeof(double));
 }
 
-void CholeskyFactor::compute(const SparseMatrix& k) {
+bool CholeskyFactor::compute(const SparseMatrix& k) {
   const OneBlasThread one_thread;
   a_.assign(k);
   make_room();
   cholmod_factor* l = factor_.l;
+  const int interior = order_.interior;
   const Long failed = entries_ == FactorEntries::singles
-                          ? factor_left_looking(a_, *l, singles_.data())
-                          : factor_left_looking(a_, *l, static_cast<double*>(l->x));
+                          ? factor_left_looking(a_, *l, interior, singles_.data())
+                          : factor_left_looking(a_, *l, interior, static_cast<double*>(l->x));
   l->minor = static_cast<std::size_t>(failed);
+  return failed == interior;
 }
 
 /// Reads the diagonal, which lies scattered in memory, once; then nothing but L is kept.
-void CholeskyFactor::take_diagonal(std::vector<double>& inverse) {
-  if (factor_.l->minor < factor_.l->n) fail_at(static_cast<int>(factor_.l->minor), 0.0);
-  const auto [super, row_start, value_start, row] = arrays_of(structure());
+void CholeskyFactor::take_diagonal(std::span<const double> contact, std::vector<double>& inverse) {
+  const auto known = static_cast<int>(factor_.l->minor) + static_cast<int>(contact.size());
+  if (known < order_.size()) fail_at(known, 0.0);
   double least = std::numeric_limits<double>::infinity();
   int where = -1;
-  for (std::size_t s = 0; s < factor_.l->nsuper; ++s) {
+  const auto check = [&](int position, double entry) {
+    const double pivot = entry * entry / a_.diagonal()[position];
+    if (!std::isfinite(pivot)) fail_at(position, pivot);
+    if (pivot >= least) return;
+    least = pivot;
+    where = position;
+  };
+  const auto [super, row_start, value_start, row] = arrays_of(structure());
+  for (std::size_t s = 0; s < factor_.l->nsuper && super[s] < order_.interior; ++s) {
     const Long stride = row_start[s + 1] - row_start[s];
-    for (Long position = super[s]; position < super[s + 1]; ++position) {
+    const Long end = std::min<Long>(super[s + 1], order_.interior);
+    for (Long position = super[s]; position < end; ++position) {
       const std::size_t at = value_start[s] + (position - super[s]) * (stride + 1);
       const double entry = with_values([&](const auto* values) { return double{values[at]}; });
-      const double pivot = entry * entry / a_.diagonal()[position];
-      if (!std::isfinite(pivot)) fail_at(static_cast<int>(position), pivot);
-      if (pivot < least) {
-        least = pivot;
-        where = static_cast<int>(position);
-      }
-      if (position < order_.interior) inverse[position] = 1.0 / entry;
+      check(static_cast<int>(position), entry);
+      inverse[position] = 1.0 / entry;
     }
   }
+  for (std::size_t i = 0; i < contact.size(); ++i)
+    check(order_.interior + static_cast<int>(i), contact[i]);
   if (least < smallest_pivot) fail_at(where, least);
   a_.forget_values();
 }
@@ -125,17 +133,17 @@ void CholeskyFactor::fail_at(int position, double pivot) const {
                       "the matrix is not positive definite: the elimination breaks down");
 }
 
-/// Gathers the contact columns, which lie in one or several supernodes, into a dense L22.
+/// Gathers the contact columns, which lie in one or several supernodes, into a dense S.
 template <class Entry>
-void CholeskyFactor::take_trailing_block(SquareOf<Entry>& l22) {
+void CholeskyFactor::take_trailing_block(SquareOf<Entry>& out) {
   const auto contacts = order_.contacts();
-  l22.setZero(contacts, contacts);
+  out.setZero(contacts, contacts);
   const auto [super, row_start, value_start, row] = arrays_of(structure());
   for (std::size_t s = 0; s < factor_.l->nsuper; ++s) {
     const Long stride = row_start[s + 1] - row_start[s];
     for (Long column = std::max<Long>(super[s], order_.interior); column < super[s + 1]; ++column)
       for (Long i = column - super[s]; i < stride; ++i)
-        l22(row[row_start[s] + i] - order_.interior, column - order_.interior) =
+        out(row[row_start[s] + i] - order_.interior, column - order_.interior) =
             values<Entry>()[value_start[s] + (column - super[s]) * stride + i];
   }
   if (contacts == 0) return;

@@ -26,14 +26,17 @@ public:
   FactorEntries entries() const { return entries_; }
   /// From the next `compute` on.
   void take_doubles();
-  /// The values of L. `take_diagonal` has to be asked whether they are any good.
-  void compute(const SparseMatrix& k);
-  /// The inverse diagonal of L on the interior. Throws NotFactorable where a pivot is not finite or
-  /// is nothing but rounding of doubles.
-  void take_diagonal(std::vector<double>& inverse);
-  /// L22, of the contact unknowns, which is no longer held here. Of the kind that `entries` says.
+  /// The columns of L on the interior. False where a pivot is not positive; `take_diagonal` has to
+  /// be asked whether they are any good.
+  bool compute(const SparseMatrix& k);
+  /// The lower triangle of S on the contact unknowns, which is no longer held here. Of the kind
+  /// that `entries` says.
   template <class Entry>
-  void take_trailing_block(SquareOf<Entry>& l22);
+  void take_trailing_block(SquareOf<Entry>& s);
+  /// The inverse diagonal of L on the interior. `contact`: the diagonal of L22, up to the first
+  /// pivot that is not positive. Throws NotFactorable where a pivot is not finite or is nothing but
+  /// rounding of doubles.
+  void take_diagonal(std::span<const double> contact, std::vector<double>& inverse);
 
   const EliminationOrder& order() const { return order_; }
   const cholmod_factor& structure() const { return *factor_.l; }

@@ -51,6 +51,21 @@ inline void solve_below(int m, int n, const float* l, float* a, int rows_al) {
               rows_al, a, rows_al);
 }
 
+/// C := C - A A^T, the lower triangle of n by n, and C := C - B A^T below it, `more` rows; A and B,
+/// which follows on A, have k columns.
+inline void subtract_products(int n, int more, int k, const double* a, int rows_a, double* c,
+                              int rows_c) {
+  cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, n, k, -1.0, a, rows_a, 1.0, c, rows_c);
+  cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, more, n, k, -1.0, a + n, rows_a, a, rows_a,
+              1.0, c + n, rows_c);
+}
+inline void subtract_products(int n, int more, int k, const float* a, int rows_a, float* c,
+                              int rows_c) {
+  cblas_ssyrk(CblasColMajor, CblasLower, CblasNoTrans, n, k, -1.0F, a, rows_a, 1.0F, c, rows_c);
+  cblas_sgemm(CblasColMajor, CblasNoTrans, CblasTrans, more, n, k, -1.0F, a + n, rows_a, a, rows_a,
+              1.0F, c + n, rows_c);
+}
+
 /// y := L^-1 y, or L^-T y.
 inline void solve(int n, const double* l, CBLAS_TRANSPOSE transposed, double* y) {
   if (n > 0) cblas_dtrsv(CblasColMajor, CblasLower, transposed, CblasNonUnit, n, l, n, y, 1);

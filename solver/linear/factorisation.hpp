@@ -64,7 +64,7 @@ public:
   virtual void forward(RightHandSides y, Columns columns) = 0;
   /// Backward solve, in place, of what a forward solve left in y_I and the y_c given since.
   virtual void back(RightHandSides y, Columns columns) = 0;
-  /// The Schur complement S, n_c by n_c. For Cholesky it is L22 L22^T, read off the factor.
+  /// The Schur complement S, n_c by n_c. For Cholesky it is what the elimination leaves of K.
   virtual const DenseMatrix& schur() const = 0;
   virtual const EliminationOrder& order() const = 0;
   virtual const FactorStatistics& statistics() const = 0;

@@ -19,8 +19,8 @@ namespace {
 template <class Entry>
 class LeftLooking {
 public:
-  LeftLooking(const PermutedLower& a, const cholmod_factor& l, Entry* values)
-      : a_(a), of_(arrays_of(l)), x_(values), supernode_(l.n), place_(l.n),
+  LeftLooking(const PermutedLower& a, const cholmod_factor& l, int interior, Entry* values)
+      : a_(a), of_(arrays_of(l)), interior_(interior), x_(values), supernode_(l.n), place_(l.n),
         first_waiting_(l.nsuper, none), next_waiting_(l.nsuper, none), taken_(l.nsuper, 0),
         product_(std::make_unique_for_overwrite<Entry[]>(l.maxcsize)) {
     for (std::size_t s = 0; s < l.nsuper; ++s)
@@ -39,11 +39,18 @@ public:
       wait(d, block(d));
       d = next;
     }
-    const int info = dense_blocks::cholesky(own.columns, own.value, own.rows);
+    if (own.eliminated == 0) return -1;
+    const int info = dense_blocks::cholesky(own.eliminated, own.value, own.rows);
     if (info != 0) return own.first + info - 1;
-    if (own.rows == own.columns) return -1;
-    dense_blocks::solve_below(own.rows - own.columns, own.columns, own.value,
-                              own.value + own.columns, own.rows);
+    if (own.rows == own.eliminated) return -1;
+    dense_blocks::solve_below(own.rows - own.eliminated, own.eliminated, own.value,
+                              own.value + own.eliminated, own.rows);
+    if (const int kept = own.columns - own.eliminated; kept > 0) {
+      Entry* const below = own.value + own.eliminated;
+      dense_blocks::subtract_products(
+          kept, own.rows - own.columns, own.eliminated, below, own.rows,
+          below + static_cast<std::ptrdiff_t>(own.eliminated) * own.rows, own.rows);
+    }
     taken_[s] = own.columns;
     wait(s, own);
     return -1;
@@ -53,17 +60,23 @@ private:
   static constexpr int none = -1;
 
   /// A supernode: a dense block of `rows` rows by columns, whose first rows are its own columns.
+  /// The first ones of these are eliminated.
   struct Block {
     Long first;
-    int columns, rows;
+    int columns, eliminated, rows;
     const Long* row;
     Entry* value;
   };
 
   Block block(int s) const {
     const Long first = of_.super[s], rows = of_.row_start[s];
-    return {first, static_cast<int>(of_.super[s + 1] - first),
-            static_cast<int>(of_.row_start[s + 1] - rows), of_.row + rows, x_ + of_.value_start[s]};
+    const auto columns = static_cast<int>(of_.super[s + 1] - first);
+    return {first,
+            columns,
+            static_cast<int>(std::clamp<Long>(interior_ - first, 0, columns)),
+            static_cast<int>(of_.row_start[s + 1] - rows),
+            of_.row + rows,
+            x_ + of_.value_start[s]};
   }
 
   /// Into the list of the supernode that comes next for it.
@@ -95,9 +108,9 @@ private:
     taken_[d] += columns;
     const Entry* const l = other.value + from;
     Entry* const c = product_.get();
-    dense_blocks::self_product(columns, other.columns, l, other.rows, c, rows);
+    dense_blocks::self_product(columns, other.eliminated, l, other.rows, c, rows);
     if (rows > columns)
-      dense_blocks::product(rows - columns, columns, other.columns, l + columns, l, other.rows,
+      dense_blocks::product(rows - columns, columns, other.eliminated, l + columns, l, other.rows,
                             c + columns, rows);
     subtract(row, rows, columns, own);
   }
@@ -123,6 +136,7 @@ private:
 
   const PermutedLower& a_;
   SupernodalArrays of_;
+  Long interior_;
   Entry* x_;
   std::vector<int> supernode_; ///< of a column
   std::vector<int> place_;     ///< of a row in the block of the supernode at hand
@@ -135,14 +149,15 @@ private:
 } // namespace
 
 template <class Entry>
-Long factor_left_looking(const PermutedLower& a, const cholmod_factor& l, Entry* values) {
-  LeftLooking work(a, l, values);
+Long factor_left_looking(const PermutedLower& a, const cholmod_factor& l, int interior,
+                         Entry* values) {
+  LeftLooking work(a, l, interior, values);
   for (int s = 0; s < static_cast<int>(l.nsuper); ++s)
     if (const Long failed = work.factor(s); failed >= 0) return failed;
-  return static_cast<Long>(l.n);
+  return interior;
 }
 
-template Long factor_left_looking(const PermutedLower&, const cholmod_factor&, double*);
-template Long factor_left_looking(const PermutedLower&, const cholmod_factor&, float*);
+template Long factor_left_looking(const PermutedLower&, const cholmod_factor&, int, double*);
+template Long factor_left_looking(const PermutedLower&, const cholmod_factor&, int, float*);
 
 } // namespace hvi::solver
