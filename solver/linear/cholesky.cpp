@@ -201,7 +201,8 @@ bool Cholesky::singles_will_do(const SparseMatrix& k) {
   } catch (const NotFactorable&) {
     return false;
   }
-  return left_by_a_correction(k) <= most_left;
+  statistics_.left = left_by_a_correction(k);
+  return statistics_.left <= most_left;
 }
 
 void Cholesky::factor(const SparseMatrix& k) {

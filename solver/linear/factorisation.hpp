@@ -34,6 +34,7 @@ struct FactorStatistics {
   IterationWork iterative;   ///< where iterations stand in for a factor
   std::string ordering;      ///< "METIS", "CAMD", ...
   FactorEntries entries = FactorEntries::doubles;
+  double left = 0.0; ///< of an error, by a correction with a factor of singles
 };
 
 /// The matrix has no (safe) factor: a rigid motion is left, or it is not positive definite.

@@ -95,10 +95,9 @@ Correction Corrector::correct(const StepMatrix& matrix, const Vector& gap, const
   contact_part(contact_, d, c_);
   auto out = solve(matrix, gap, rhs, couple_bounds, solves, state);
   d += x_;
-  if (contact_.none()) { // no law damps rounding: a hundred times as strict
-    const double size = d.lpNorm<Eigen::Infinity>();
-    out.moved = size > 0.0 ? 100.0 * x_.lpNorm<Eigen::Infinity>() / size : 0.0;
-  }
+  const double size = d.lpNorm<Eigen::Infinity>();
+  out.change = size > 0.0 ? x_.lpNorm<Eigen::Infinity>() / size : 0.0;
+  if (contact_.none()) out.moved = 100.0 * out.change; // no law damps rounding: as strict as that
   return out;
 }
 

@@ -9,7 +9,8 @@ namespace hvi::solver {
 /// What a correction did.
 struct Correction {
   InequalityReport report;
-  double moved = 0.0; ///< max |c' - c| / max |c'|; without laws 100 max |d' - d| / max |d'|
+  double moved = 0.0;  ///< max |c' - c| / max |c'|; without laws 100 max |d' - d| / max |d'|
+  double change = 1.0; ///< max |d' - d| / max |d'|
 };
 
 class Corrector {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace hvi::solver {
@@ -25,8 +26,29 @@ constexpr int corrections_of_joined = 4;
 constexpr double refined = 1e-13;
 /// A factor of singles leaves up to a hundredth of an error, laws more of it.
 constexpr double slow_of_singles = 0.5;
-/// With it corrections go on to what a factor of doubles leaves at once: rounding of the products.
+/// With it corrections go on to what a factor of doubles leaves at once, rounding of the products,
+/// or until the next one would move less than the tolerance, where the equation holds to this part
+/// of it.
 constexpr double left_by_doubles = 1e-14;
+constexpr double well_within = 1e-2;
+
+/// How far the next correction of a step with a factor of singles would move the increment, in
+/// parts of it. Each leaves of an error about what the last one left of the one before.
+class NextChange {
+public:
+  explicit NextChange(const StepMatrix& matrix)
+      : least_(matrix.factorisation()->statistics().left) {}
+  void note(double change) {
+    const double left = last_ > 0.0 ? change / last_ : slow_of_singles;
+    next_ = std::max(left, least_) * change;
+    last_ = change;
+  }
+  double next() const { return next_; }
+
+private:
+  double least_; ///< that is left, by the factor alone: laws may have moved first
+  double last_ = 0.0, next_ = infinity;
+};
 
 /// What the corrections of a step did together; of the rest the last one tells.
 class Together {
@@ -78,6 +100,8 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
   now.c.setZero(); // the path to the new state starts at the last one
   const Vector* const right = equation.exact() ? &equation.rhs : nullptr;
   Together together;
+  std::optional<NextChange> of_singles;
+  if (singles) of_singles.emplace(matrix);
   double last = infinity;
   while (out.corrections < most_changes) {
     const bool first = out.corrections++ == 0;
@@ -103,6 +127,10 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
     solves->judge(made.moved, out.equilibrium, equation.exact());
     const bool exact = equation.exact() || left.mismatch <= refined;
     if (!out.inequality.converged || (exact && out.equilibrium <= target)) break;
+    if (of_singles) of_singles->note(made.change);
+    if (of_singles && exact && out.equilibrium <= well_within * tolerance_ &&
+        of_singles->next() <= tolerance_)
+      break;
     const bool free = matrix.free_body() != nullptr;
     const bool early = contact.change && out.corrections <= corrections_of_joined;
     const double least_gain = free ? slow_when_free : singles ? slow_of_singles : slow_contraction;
@@ -118,6 +146,7 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
     if (!slow) continue;
     take_back_change(formulation_.operators(), equation);
     matrices.factor(equation.n, evolution_.factors(equation.n), matrix);
+    if (of_singles) of_singles.emplace(matrix);
     // The error is measured anew: what was moved with the change may have been most of its scale.
     last = infinity;
   }
