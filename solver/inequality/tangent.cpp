@@ -12,11 +12,11 @@ bool respond(const InequalityState& state, std::span<const Vector> r, Position& 
   InequalityState from = state;
   from.c_guess.resize(0), from.xi_guess.resize(0);
   at.load(from);
-  SparseMatrix h = pattern.zero();
-  pattern.assemble(at.places.d, h);
   // A state that is not stable has a tangent, too: its matrix is not positive definite.
   std::unique_ptr<ReducedOperator> indefinite;
-  if (!factor.make_other(h)) {
+  if (InequalityReport made; !factor.make(at.places.d, made)) {
+    SparseMatrix h = pattern.zero();
+    pattern.assemble(at.places.d, h);
     indefinite = factor.op().unsymmetric();
     if (!indefinite || !indefinite->factor(h, {})) return false;
   }
