@@ -23,8 +23,7 @@ public:
   Factorisation& operator*() const { return *factor_; }
   const Factorisation* get() const { return factor_.get(); }
   explicit operator bool() const { return factor_ != nullptr; }
-  /// S, of the last factorisation, with the factor that holds it.
-  std::shared_ptr<const DenseMatrix> schur() const { return {factor_, &factor_->schur()}; }
+  std::shared_ptr<const Factorisation> kept() const { return factor_; }
   /// Another run may use it, too: it must not be factored again for other values.
   bool is_shared() const { return shared_; }
   /// Of this run: work that another one did is not counted, its seconds are. Zeros where there is

@@ -136,7 +136,7 @@ std::unique_ptr<ReducedOperator> FactoredMatrix::reduced_operator() const {
     return std::make_unique<IterativeOperator>(*rows_, symmetric, *iterations_,
                                                !contact_.of_unknown.empty());
   if (contact_.whole) return sparse_operator(free_ ? held() : k_, symmetric);
-  return dense_operator(factorisation_.schur(), symmetric);
+  return dense_operator(factorisation_.kept(), symmetric);
 }
 
 FactorStatistics FactoredMatrix::statistics() const {

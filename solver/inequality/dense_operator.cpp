@@ -1,5 +1,6 @@
 // The dense operator of the reduced inequality, by LAPACK (inequality.hpp).
 #include "solver/inequality/inequality.hpp"
+#include "solver/linear/factorisation.hpp"
 #include "solver/linear/instruction_set.hpp"
 #include "solver/linear/lapack.hpp"
 #include "solver/linear/rough_inverse.hpp"
@@ -75,10 +76,17 @@ void add_magnitudes(const double* a, int n, const double* x, double* sum) {
   }
 }
 
+/// S, of a factor or alone.
+struct SharedSchur {
+  std::shared_ptr<const Factorisation> factor;
+  std::shared_ptr<const DenseMatrix> alone;
+  const DenseMatrix& matrix() const { return factor ? factor->schur() : *alone; }
+};
+
 class DenseOperator final : public ReducedOperator {
 public:
-  DenseOperator(std::shared_ptr<const DenseMatrix> s, bool symmetric)
-      : shared_(std::move(s)), s_(*shared_), symmetric_(symmetric),
+  DenseOperator(SharedSchur s, bool symmetric)
+      : shared_(std::move(s)), s_(shared_.matrix()), symmetric_(symmetric),
         unit_(s_.rows() > 0 ? s_.diagonal().cwiseAbs().maxCoeff() : 1.0), pivots_(s_.rows()) {
     if (!(unit_ > 0.0)) unit_ = 1.0;
   }
@@ -162,6 +170,10 @@ public:
                   x.data(), 1);
   }
 
+  bool estimate_alone(const SparseMatrix& zero, DenseMatrix& columns) override {
+    if (symmetric_ && shared_.factor && shared_.factor->solve_contact(columns)) return true;
+    return ReducedOperator::estimate_alone(zero, columns);
+  }
   bool rounded() const override { return rough_ && !exact_; }
   void solve_rough(const Vector& b, Vector& x) const override {
     if (!symmetric_ || size() == 0) return solve(b, x);
@@ -313,7 +325,7 @@ private:
   static constexpr int largest_inverted = 600;
   static constexpr float smallest_rounded_pivot = 1e-4F;
 
-  std::shared_ptr<const DenseMatrix> shared_;
+  SharedSchur shared_;
   const DenseMatrix& s_; ///< of it
   mutable Vector magnitudes_;
   SparseMatrix h_;
@@ -331,13 +343,14 @@ private:
 
 } // namespace
 
-std::unique_ptr<ReducedOperator> dense_operator(std::shared_ptr<const DenseMatrix> s,
+std::unique_ptr<ReducedOperator> dense_operator(std::shared_ptr<const Factorisation> of,
                                                 bool symmetric) {
-  return std::make_unique<DenseOperator>(std::move(s), symmetric);
+  return std::make_unique<DenseOperator>(SharedSchur{std::move(of), nullptr}, symmetric);
 }
 
-std::unique_ptr<ReducedOperator> dense_operator(const DenseMatrix& s, bool symmetric) {
-  return dense_operator(std::make_shared<const DenseMatrix>(s), symmetric);
+std::unique_ptr<ReducedOperator> dense_operator(DenseMatrix s, bool symmetric) {
+  auto alone = std::make_shared<const DenseMatrix>(std::move(s));
+  return std::make_unique<DenseOperator>(SharedSchur{nullptr, std::move(alone)}, symmetric);
 }
 
 } // namespace hvi::solver

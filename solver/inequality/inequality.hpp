@@ -21,6 +21,7 @@
 
 namespace hvi::solver {
 
+class Factorisation;
 class IterativeOperator;
 
 /// The operator of the reduced problem: a dense Schur complement, or a sparse matrix when the
@@ -47,6 +48,9 @@ public:
   virtual bool rounded() const { return false; }
   /// The same to two or three digits, for sizes and estimates.
   virtual void estimate(const Vector& b, Vector& x) const { solve(b, x); }
+  /// In place, S^-1 columns as well as that; false where S has no factor. The last factor may be
+  /// another one then. `zero`: an H that is 0.
+  virtual bool estimate_alone(const SparseMatrix& zero, DenseMatrix& columns);
   /// Is the last sum that was factored positive definite, as far as `factor` does not tell?
   virtual bool definite() { return true; }
   /// The part of the certificate's tolerance that solves aim at.
@@ -69,10 +73,10 @@ public:
   virtual int patience() const = 0;
   virtual double bytes() const = 0; ///< held
 };
-/// `s` is not counted in its bytes.
-std::unique_ptr<ReducedOperator> dense_operator(std::shared_ptr<const DenseMatrix> s,
+/// Reads S where the factor holds it.
+std::unique_ptr<ReducedOperator> dense_operator(std::shared_ptr<const Factorisation> of,
                                                 bool symmetric);
-std::unique_ptr<ReducedOperator> dense_operator(const DenseMatrix& s, bool symmetric); ///< a copy
+std::unique_ptr<ReducedOperator> dense_operator(DenseMatrix s, bool symmetric);
 std::unique_ptr<ReducedOperator> sparse_operator(const SparseMatrix& k, bool symmetric);
 
 /// One quadrature point of one law.

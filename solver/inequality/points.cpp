@@ -189,7 +189,7 @@ ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperat
 /// that slip overshoot the range where they would stick. The diagonal of S^-1 by eight probes with
 /// entries +-1 (Hutchinson, Bekas): the size is all that matters.
 void ContactPoints::estimate_compliance(ReducedOperator& s, const SparseMatrix& zero) {
-  if (size() == 0 || !s.factor(zero, {})) return;
+  if (size() == 0) return;
   // Where all unknowns are here, those that no law sees would only add noise.
   const bool all = by_iterations;
   const int probes = all ? 2 : 8;
@@ -197,18 +197,17 @@ void ContactPoints::estimate_compliance(ReducedOperator& s, const SparseMatrix& 
   if (all)
     for (int row = 0; row < rows; ++row)
       for (SparseMatrix::InnerIterator it(g, row); it; ++it) seen[it.col()] = 1;
-  Vector probe(unknowns), answer(unknowns), flexibility = Vector::Zero(unknowns);
+  DenseMatrix probe(unknowns, probes);
   std::uint32_t random = 12345;
-  for (int k = 0; k < probes; ++k) {
-    for (double& v : probe) {
-      random = random * 1664525u + 1013904223u;
-      v = random >> 31 ? 1.0 : -1.0;
-    }
-    for (int i = 0; i < unknowns; ++i)
-      if (seen[i] == 0) probe[i] = 0.0;
-    s.estimate(probe, answer);
-    flexibility += probe.cwiseProduct(answer) / probes;
+  for (double& v : probe.reshaped()) {
+    random = random * 1664525u + 1013904223u;
+    v = random >> 31 ? 1.0 : -1.0;
   }
+  for (int i = 0; i < unknowns; ++i)
+    if (seen[i] == 0) probe.row(i).setZero();
+  DenseMatrix answer = probe;
+  if (!s.estimate_alone(zero, answer)) return;
+  const Vector flexibility = probe.cwiseProduct(answer).rowwise().sum() / probes;
   if (!flexibility.allFinite()) return;
   for (PointData& q : data) {
     double compliance = 0.0;

@@ -69,6 +69,16 @@ private:
 
 } // namespace
 
+bool ReducedOperator::estimate_alone(const SparseMatrix& zero, DenseMatrix& columns) {
+  if (!factor(zero, {})) return false;
+  Vector x;
+  for (Eigen::Index j = 0; j < columns.cols(); ++j) {
+    estimate(columns.col(j), x);
+    columns.col(j) = x;
+  }
+  return true;
+}
+
 void ReducedOperator::solve_rough(DenseMatrix& columns) const {
   Vector x(size());
   for (Eigen::Index j = 0; j < columns.cols(); ++j) {

@@ -67,6 +67,17 @@ public:
     dense_blocks::solve(static_cast<int>(doubles_.rows()), doubles_.data(), CblasTrans, y);
   }
 
+  /// In place, S^-1 columns.
+  void solve(DenseMatrix& columns) const {
+    const OneBlasThread one_thread;
+    const auto n = static_cast<int>(columns.rows()), count = static_cast<int>(columns.cols());
+    if (singles_.size() == 0)
+      return dense_blocks::solve_both(n, count, doubles_.data(), columns.data());
+    SquareOf<float> x = columns.cast<float>();
+    dense_blocks::solve_both(n, count, singles_.data(), x.data());
+    columns = x.cast<double>();
+  }
+
 private:
   template <class Entry>
   std::vector<double> take_from(CholeskyFactor& l, SquareOf<Entry>& l22) {
@@ -125,6 +136,10 @@ public:
   void forward(RightHandSides y, Columns columns) override;
   void back(RightHandSides y, Columns columns) override;
   const DenseMatrix& schur() const override { return contact_.schur(); }
+  bool solve_contact(DenseMatrix& columns) const override {
+    contact_.solve(columns);
+    return true;
+  }
   const EliminationOrder& order() const override { return l_.order(); }
   const FactorStatistics& statistics() const override { return statistics_; }
   const LowerFactor* lower() const { return lower_.values != nullptr ? &lower_ : nullptr; }

@@ -71,4 +71,18 @@ inline void solve(int n, const double* l, CBLAS_TRANSPOSE transposed, double* y)
   if (n > 0) cblas_dtrsv(CblasColMajor, CblasLower, transposed, CblasNonUnit, n, l, n, y, 1);
 }
 
+/// X := (L L^T)^-1 X, n by count.
+inline void solve_both(int n, int count, const double* l, double* x) {
+  for (const auto transposed : {CblasNoTrans, CblasTrans})
+    if (n > 0)
+      cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, transposed, CblasNonUnit, n, count, 1.0, l,
+                  n, x, n);
+}
+inline void solve_both(int n, int count, const float* l, float* x) {
+  for (const auto transposed : {CblasNoTrans, CblasTrans})
+    if (n > 0)
+      cblas_strsm(CblasColMajor, CblasLeft, CblasLower, transposed, CblasNonUnit, n, count, 1.0F, l,
+                  n, x, n);
+}
+
 } // namespace hvi::solver::dense_blocks

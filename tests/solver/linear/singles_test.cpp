@@ -183,6 +183,9 @@ TEST(Singles, AndDoublesGiveBackTheContactColumnsAlone) {
       forward(*factor, b, y, r); // S c = r
       const Vector c = exact(space.contact);
       EXPECT_LE((factor->schur() * c - r).norm(), few_digits * r.norm());
+      DenseMatrix columns = factor->schur() * c / r.norm();
+      ASSERT_TRUE(factor->solve_contact(columns));
+      EXPECT_LE((columns - c / r.norm()).norm(), few_digits * c.norm() / r.norm());
       back(*factor, c, y, x);
       EXPECT_LE((x - exact).norm(), few_digits * exact.norm());
     }
