@@ -171,7 +171,7 @@ public:
   }
 
   bool estimate_alone(const SparseMatrix& zero, DenseMatrix& columns) override {
-    if (symmetric_ && shared_.factor && shared_.factor->solve_contact(columns)) return true;
+    if (symmetric_ && shared_.factor && shared_.factor->solve_schur(columns)) return true;
     return ReducedOperator::estimate_alone(zero, columns);
   }
   bool rounded() const override { return rough_ && !exact_; }

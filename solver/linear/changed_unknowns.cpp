@@ -24,7 +24,7 @@ public:
   void forward(RightHandSides y, Columns columns) override { inner_->forward(y, columns); }
   void back(RightHandSides y, Columns columns) override { inner_->back(y, columns); }
   const DenseMatrix& schur() const override { return inner_->schur(); }
-  bool solve_contact(DenseMatrix& columns) const override { return inner_->solve_contact(columns); }
+  bool solve_schur(DenseMatrix& columns) const override { return inner_->solve_schur(columns); }
   const EliminationOrder& order() const override { return order_; }
   const FactorStatistics& statistics() const override { return inner_->statistics(); }
   const Factorisation& inner() const { return *inner_; }

@@ -136,7 +136,7 @@ public:
   void forward(RightHandSides y, Columns columns) override;
   void back(RightHandSides y, Columns columns) override;
   const DenseMatrix& schur() const override { return contact_.schur(); }
-  bool solve_contact(DenseMatrix& columns) const override {
+  bool solve_schur(DenseMatrix& columns) const override {
     contact_.solve(columns);
     return true;
   }

@@ -68,7 +68,7 @@ public:
   /// The Schur complement S, n_c by n_c. For Cholesky it is what the elimination leaves of K.
   virtual const DenseMatrix& schur() const = 0;
   /// In place, S^-1 columns of size 1 to six digits, by a factor of S; false where there is none.
-  virtual bool solve_contact(DenseMatrix& /*columns*/) const { return false; }
+  virtual bool solve_schur(DenseMatrix& /*columns*/) const { return false; }
   virtual const EliminationOrder& order() const = 0;
   virtual const FactorStatistics& statistics() const = 0;
 };
