@@ -9,7 +9,7 @@ import math
 
 LATENCY, BANDWIDTH = 2e-6, 25e9 / 64  # seconds; bytes a second
 NEIGHBOURS, FACES = 15 / 7, 6 / 3
-FIRST_ALONE = 0.15  # of a run of one process: what the first process does alone (a profile of slab3d, n = 24)
+FIRST_ALONE = 0.08  # of a run of one process: what the first process does alone (a profile of slab3d, n = 32)
 PROCESSES = (8, 100, 1_000, 10_000, 100_000)
 
 
@@ -38,7 +38,7 @@ class Model:
         return 1 + self.growth * math.log2(processes)
 
     def speed(self, processes):
-        """Times as many unknowns in the same time as one process: now, and where each process has its own cells."""
+        """Times as many unknowns in the same time as one process: now, and where laws and vectors are dealt out, too."""
         shared = sum(self.iteration(processes)) / self.seconds * self.iterations(processes) * (1 - FIRST_ALONE)
         return processes / (shared + FIRST_ALONE * processes), processes / (shared + FIRST_ALONE)
 
@@ -52,7 +52,7 @@ def on_paper(plans, seconds):
             print(f"    {processes} processes: {sent['messages'] / plan['iterations']:.0f} messages, {sent['bytes'] / plan['iterations'] / 1e3:.0f} kB, "
                   f"{sent['reductions'] / plan['iterations']:.1f} reductions; levels "
                   + ", ".join(f"{level['rows']:.0f} ({level['entries'] / level['rows']:.0f} a row)" for level in plan["multigrid"]))
-    print("    on paper: milliseconds of an iteration (arithmetic, messages, bytes, reductions), iterations over those of one process, speed now and with own cells")
+    print("    on paper: milliseconds of an iteration (arithmetic, messages, bytes, reductions), iterations over those of one process, speed now and with laws and vectors dealt out")
     for processes in PROCESSES:
         parts = ", ".join(f"{1e3 * part:.2f}" for part in model.iteration(processes))
         now, own = model.speed(processes)
