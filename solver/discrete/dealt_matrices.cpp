@@ -23,11 +23,18 @@ DealtMatrices::DealtMatrices(const Discretisation& discretisation, const StateLa
     of_.push_back(put_assembly(w, d_, layout, part_of_node, p, place_, first_row_, forms));
     messages.push_back(message_of({set(), MatrixErrand::assemble}, std::move(out).str()));
   }
-  for (const std::string& answer : ask(messages)) weights_ = assembled(answer);
+  try {
+    for (const std::string& answer : ask(messages)) weights_ = assembled(answer);
+  } catch (const Failure&) { // of one process; the others have their rows
+    end();
+    throw;
+  }
   next_ = static_cast<int>(weights_.size());
 }
 
-DealtMatrices::~DealtMatrices() {
+DealtMatrices::~DealtMatrices() { end(); }
+
+void DealtMatrices::end() const noexcept {
   try {
     ask({set(), MatrixErrand::end});
   } catch (const std::exception&) { // the others are at their end

@@ -50,6 +50,7 @@ public:
   double bytes() const; ///< of this process
 
 private:
+  void end() const noexcept; ///< of all processes' rows
   std::vector<std::string> ask(const MatrixErrand& errand,
                                const std::function<std::vector<double>(int)>& numbers) const;
   std::vector<std::string> ask(const MatrixErrand& errand) const;

@@ -118,6 +118,49 @@ std::string made(const std::vector<Vector>& weights) {
   return std::move(out).str();
 }
 
+/// What these rows make of an errand's numbers.
+std::string answer_of(OwnRows& rows, const MatrixErrand& errand, std::span<const double> numbers) {
+  const auto n = static_cast<std::size_t>(rows.rows());
+  std::string out;
+  switch (errand.what) {
+  case MatrixErrand::products:
+    out = room_for(2 * n);
+    rows.products(errand.matrix, numbers, numbers_of(out));
+    break;
+  case MatrixErrand::magnitudes:
+    out = room_for(n);
+    rows.magnitudes(errand.matrix, numbers, numbers_of(out));
+    break;
+  case MatrixErrand::diagonal:
+    out = room_for(n);
+    rows.diagonal(errand.matrix, numbers_of(out));
+    break;
+  case MatrixErrand::sum:
+    rows.combine(errand.matrix, numbers);
+    break;
+  case MatrixErrand::place:
+    rows.place(errand.matrix, errand.number);
+    break;
+  case MatrixErrand::leave:
+    rows.leave(errand.matrix);
+    break;
+  case MatrixErrand::rounding: {
+    out = room_for((n_samples + 1) * n);
+    const auto columns = static_cast<std::size_t>(rows.columns());
+    rounding_of_rows(rows, errand.matrix, numbers.first(columns), numbers.subspan(columns),
+                     errand.number, numbers_of(out));
+    break;
+  }
+  case MatrixErrand::forget:
+    rows.forget(errand.matrix);
+    break;
+  case MatrixErrand::assemble:
+  case MatrixErrand::end: // of sets
+    break;
+  }
+  return out;
+}
+
 } // namespace
 
 std::string message_of(const MatrixErrand& errand, std::string_view bytes) {
@@ -188,51 +231,10 @@ std::string OwnMatrices::answer(std::string_view message) {
   std::memcpy(&errand, message.data(), sizeof errand);
   const std::string_view rest = message.substr(sizeof errand);
   if (errand.what == MatrixErrand::assemble) return assemble(errand.set, rest);
-  if (errand.what == MatrixErrand::end) {
-    sets_.erase(errand.set);
-    return {};
-  }
-  OwnRows& rows = sets_.at(errand.set);
-  const auto numbers = numbers_in(rest);
-  const auto n = static_cast<std::size_t>(rows.rows());
-  std::string out;
-  switch (errand.what) {
-  case MatrixErrand::products:
-    out = room_for(2 * n);
-    rows.products(errand.matrix, numbers, numbers_of(out));
-    break;
-  case MatrixErrand::magnitudes:
-    out = room_for(n);
-    rows.magnitudes(errand.matrix, numbers, numbers_of(out));
-    break;
-  case MatrixErrand::diagonal:
-    out = room_for(n);
-    rows.diagonal(errand.matrix, numbers_of(out));
-    break;
-  case MatrixErrand::sum:
-    rows.combine(errand.matrix, numbers);
-    break;
-  case MatrixErrand::place:
-    rows.place(errand.matrix, errand.number);
-    break;
-  case MatrixErrand::leave:
-    rows.leave(errand.matrix);
-    break;
-  case MatrixErrand::rounding: {
-    out = room_for((n_samples + 1) * n);
-    const auto columns = static_cast<std::size_t>(rows.columns());
-    rounding_of_rows(rows, errand.matrix, numbers.first(columns), numbers.subspan(columns),
-                     errand.number, numbers_of(out));
-    break;
-  }
-  case MatrixErrand::forget:
-    rows.forget(errand.matrix);
-    break;
-  case MatrixErrand::assemble:
-  case MatrixErrand::end:
-    break;
-  }
-  return out;
+  if (errand.what != MatrixErrand::end)
+    return answer_of(sets_.at(errand.set), errand, numbers_in(rest));
+  sets_.erase(errand.set);
+  return {};
 }
 
 double OwnMatrices::bytes() const {
