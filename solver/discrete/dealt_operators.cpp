@@ -38,8 +38,6 @@ Operators deal_operators(const Problem& problem, const Discretisation& d, const 
   auto unknowns = nodes_of_unknowns(d, layout);
   Operators out;
   out.n_unknowns = layout.n_unknowns;
-  out.mirrored = std::ranges::all_of(
-      forms.terms, [&](const FormTerm& term) { return is_mirrored(problem, term); });
   out.dealt = std::make_shared<DealtMatrices>(d, layout, forms, processes, *unknowns);
   out.iterative = std::move(unknowns);
   const auto& weights = out.dealt->weights();

@@ -151,7 +151,7 @@ SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& discr
 }
 
 Operators assemble_operators(const Problem& problem, const Discretisation& discretisation,
-                             const StateLayout& layout, int threads) {
+                             const StateLayout& layout, int threads, bool by_values) {
   if (problem.forms.empty())
     throw Failure(FailureKind::bad_value, problem.space.origin,
                   "nothing resists: the plan has no form");
@@ -167,7 +167,7 @@ Operators assemble_operators(const Problem& problem, const Discretisation& discr
   }
   const Couplings couplings = couplings_of(problem);
   take_apart(couplings, discretisation.space, layout, matrices);
-  merge_equal_values(matrices, distinct.weights);
+  if (by_values) merge_equal_values(matrices, distinct.weights);
   merge_equal_weights(matrices, distinct.weights);
 
   Operators out;

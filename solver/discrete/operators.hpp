@@ -61,8 +61,10 @@ struct Operators {
 /// Assembles what is distinct: terms with the same part, rule and proportional coefficients are
 /// assembled once, equal patterns are compared by value, and bases that always occur in the same
 /// ratio (the same material law on two parts) are added up. `threads`: so many terms at a time.
+/// `by_values`: else matrices that are equal and were not written so stay apart, as where several
+/// processes have their rows (dealt_operators.hpp): checkpoints know the base matrices.
 Operators assemble_operators(const Problem& problem, const Discretisation& discretisation,
-                             const StateLayout& layout, int threads);
+                             const StateLayout& layout, int threads, bool by_values = true);
 
 /// Of each term its matrix: rows for the layout's unknowns, columns for its states.
 std::vector<SparseMatrix> assemble_terms(const Discretisation& discretisation,

@@ -5,6 +5,7 @@
 #include "solver/discrete/operators.hpp"
 #include "solver/discrete/rounding.hpp"
 #include "solver/kernel/expr_stream.hpp"
+#include "solver/linear/vector_stream.hpp"
 
 #include <cstring>
 #include <new>
@@ -13,15 +14,6 @@
 
 namespace hvi::solver {
 namespace {
-
-void put_vector_of(StateWriter& w, const Vector& of) {
-  w.put(std::vector<double>(of.begin(), of.end()));
-}
-
-Vector get_vector_of(StateReader& r) {
-  const auto values = r.get_vector<double>();
-  return Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
 
 /// Of a form what its assembly reads.
 void put_form(StateWriter& w, const FormTerm& form, std::vector<Expr>& coefficients) {
@@ -56,7 +48,7 @@ void put_forms(StateWriter& w, const DistinctForms& forms) {
   w.put(static_cast<int>(forms.terms.size()));
   for (std::size_t f = 0; f < forms.terms.size(); ++f) {
     put_form(w, forms.terms[f], coefficients);
-    put_vector_of(w, forms.weights[f]);
+    put_vector(w, forms.weights[f]);
   }
   put_expressions(w, coefficients);
 }
@@ -65,7 +57,7 @@ DistinctForms get_forms(StateReader& r) {
   DistinctForms out;
   for (int left = r.get<int>(); left > 0; --left) {
     out.terms.push_back(get_form(r));
-    out.weights.push_back(get_vector_of(r));
+    get_vector(r, out.weights.emplace_back());
   }
   const std::vector<Expr> coefficients = get_expressions(r);
   std::size_t next = 0;
@@ -114,7 +106,7 @@ std::string made(const std::vector<Vector>& weights) {
   StateWriter w(out);
   w.put(false);
   w.put(static_cast<int>(weights.size()));
-  for (const Vector& of : weights) put_vector_of(w, of);
+  for (const Vector& of : weights) put_vector(w, of);
   return std::move(out).str();
 }
 
@@ -189,7 +181,7 @@ std::vector<Vector> assembled(std::string_view answer) {
     throw Failure(kind, origin, what, help);
   }
   std::vector<Vector> out(static_cast<std::size_t>(r.get<int>()));
-  for (Vector& of : out) of = get_vector_of(r);
+  for (Vector& of : out) get_vector(r, of);
   return out;
 }
 

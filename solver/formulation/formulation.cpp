@@ -94,12 +94,14 @@ private:
   InteriorEquilibrium equilibrium_;
 };
 
-/// By all processes, where there are several for iterations that were asked for.
+/// By all processes, where there are several for iterations that were asked for. One process has
+/// the same base matrices then: it may go on from the checkpoint of several.
 Operators operators_of(const Plan& plan, const Discretisation& d, const StateLayout& layout) {
-  if (plan.options.solver == LinearSolver::iterative && may_be_dealt(plan.problem, d, layout))
-    if (const int processes = processes_led(); processes > 1)
-      return deal_operators(plan.problem, d, layout, processes);
-  return assemble_operators(plan.problem, d, layout, plan.options.threads);
+  const bool may =
+      plan.options.solver == LinearSolver::iterative && may_be_dealt(plan.problem, d, layout);
+  if (const int processes = may ? processes_led() : 1; processes > 1)
+    return deal_operators(plan.problem, d, layout, processes);
+  return assemble_operators(plan.problem, d, layout, plan.options.threads, !may);
 }
 
 DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {

@@ -151,7 +151,9 @@ def scenes(program, options):
 
 
 STEPS, FIELDS = 1500, 150
-LONG = ranks.LONG.format(n=12, steps=STEPS) + "  fields u every 10 steps\n"
+# The matrices of its two forms are multiples of each other, though they are not written so: on two parts with the same cells.
+LONG = (ranks.LONG.format(n=12, steps=STEPS) + "  fields u every 10 steps\n").replace("integral(body, B", "integral(all, B").replace(
+    "part ground", "part all = body where y > -1\npart ground")
 
 
 def interrupted(program, path, folder):

@@ -138,6 +138,20 @@ TEST(OwnMatrices, RowsAreThoseOfTheWholeMatrix) {
   }
 }
 
+// Whatever the number of processes, a checkpoint has the coefficients of the same matrices.
+TEST(OwnMatrices, MatricesThatHappenToBeMultiplesStayApart) {
+  Plan plan = slab(3, 2);
+  plan.problem.parts.push_back(plan.problem.parts[body]);
+  plan.problem.parts.back().name = "all";
+  plan.problem.forms = {elastic(2, body, field_of_u(1), {5, 10}),
+                        elastic(2, 4, field_of_u(0), {50, 100})};
+  plan.problem.histories.clear();
+  Dealt dealt(plan, 2);
+  EXPECT_EQ(dealt.weights.size(), 2u);
+  EXPECT_EQ(assemble_operators(plan.problem, dealt.d, dealt.layout, 1, false).n_bases(), 2);
+  EXPECT_EQ(assemble_operators(plan.problem, dealt.d, dealt.layout, 1).n_bases(), 1);
+}
+
 // A row is the sum over the same cells in the same order.
 TEST(OwnMatrices, OneFormHasTheSameBits) {
   Plan plan = uneven_slab(2, 2);
