@@ -1,10 +1,12 @@
 // See dealt_matrices.hpp.
 #include "solver/discrete/dealt_matrices.hpp"
 
+#include "solver/discrete/operators.hpp"
 #include "solver/linear/processes.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <sstream>
 #include <utility>
@@ -89,6 +91,13 @@ std::vector<double> DealtMatrices::columns_of(int p, const Vector& x) const {
   return out;
 }
 
+std::vector<double> DealtMatrices::rows_of(int p, const Vector& x) const {
+  const auto& own = of_[static_cast<std::size_t>(p)];
+  std::vector<double> out(static_cast<std::size_t>(own.unknowns));
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = x[own.state[i]];
+  return out;
+}
+
 void DealtMatrices::collect(const std::vector<std::string>& answers, std::size_t part,
                             Vector& out) const {
   out.resize(n_unknowns_);
@@ -107,6 +116,21 @@ void DealtMatrices::product(int matrix, const Vector& x, Vector& product, Vector
   collect(answers, 1, whole);
 }
 
+void DealtMatrices::subtract_product(int matrix, const Vector& x, std::vector<DoubleDouble>& y,
+                                     Vector& size) const {
+  const auto answers =
+      ask({set(), MatrixErrand::precisely, matrix}, [&](int p) { return columns_of(p, x); });
+  Vector high, low, sizes;
+  collect(answers, 0, high);
+  collect(answers, 1, low);
+  collect(answers, 2, sizes);
+  for (int i = 0; i < n_unknowns_; ++i) {
+    y[static_cast<std::size_t>(i)].add(-high[i]);
+    y[static_cast<std::size_t>(i)].add(-low[i]);
+  }
+  size += sizes;
+}
+
 void DealtMatrices::magnitude(int matrix, const Vector& x, Vector& out) const {
   collect(ask({set(), MatrixErrand::magnitudes, matrix}, [&](int p) { return columns_of(p, x); }),
           0, out);
@@ -116,6 +140,46 @@ Vector DealtMatrices::diagonal(int matrix) const {
   Vector out;
   collect(ask({set(), MatrixErrand::diagonal, matrix}), 0, out);
   return out;
+}
+
+void DealtMatrices::transposed(int matrix, const Vector& x, Vector& product, Vector& sizes) const {
+  const auto answers =
+      ask({set(), MatrixErrand::transposed, matrix}, [&](int p) { return rows_of(p, x); });
+  product.setZero(n_unknowns_);
+  sizes.setZero(n_unknowns_);
+  for (std::size_t p = 0; p < answers.size(); ++p) {
+    const auto& state = of_[p].state;
+    const auto numbers = numbers_in(answers[p]);
+    for (std::size_t j = 0; j < state.size(); ++j) {
+      if (state[j] >= n_unknowns_) continue;
+      product[state[j]] += numbers[j];
+      sizes[state[j]] += numbers[state.size() + j];
+    }
+  }
+}
+
+bool DealtMatrices::is_symmetric(int matrix) const {
+  double apart = 0.0, largest = 0.0;
+  std::map<std::pair<int, int>, double> alone; // entries whose mirror image did not come yet
+  const auto answers = ask({set(), MatrixErrand::asymmetry, matrix});
+  for (std::size_t p = 0; p < answers.size(); ++p) {
+    const auto numbers = numbers_in(answers[p]);
+    const auto& state = of_[p].state;
+    apart = std::max(apart, numbers[0]), largest = std::max(largest, numbers[1]);
+    for (std::size_t k = 2; k < numbers.size(); k += 3) {
+      const int i = state[static_cast<std::size_t>(numbers[k])];
+      const int j = state[static_cast<std::size_t>(numbers[k + 1])];
+      const auto mirrored = alone.find({j, i});
+      if (mirrored == alone.end()) {
+        alone[{i, j}] = numbers[k + 2];
+        continue;
+      }
+      apart = std::max(apart, std::abs(numbers[k + 2] - mirrored->second));
+      alone.erase(mirrored);
+    }
+  }
+  for (const auto& [place, value] : alone) apart = std::max(apart, std::abs(value));
+  return apart <= asymmetry_of_rounding * largest;
 }
 
 void DealtMatrices::add_rounding(int b, const Vector& state, double unit, RoundingForces& forces,
@@ -138,6 +202,10 @@ void DealtMatrices::add_rounding(int b, const Vector& state, double unit, Roundi
 void DealtMatrices::combine(int matrix, const Vector& gamma) const {
   ask({set(), MatrixErrand::sum, matrix},
       [&](int) { return std::vector<double>(gamma.begin(), gamma.end()); });
+}
+
+void DealtMatrices::stiffen(int matrix, const Vector& more) const {
+  ask({set(), MatrixErrand::stiffen, matrix}, [&](int p) { return rows_of(p, more); });
 }
 
 RowArrays DealtMatrices::place(int matrix, double alone) const {
@@ -176,6 +244,27 @@ void DealtMatrix::combine(const Vector& gamma) {
   all_.combine(number_, gamma);
   diagonal_ = all_.diagonal(number_);
   last_ = {};
+}
+
+void DealtMatrix::stiffen(const Vector& more) {
+  all_.stiffen(number_, more);
+  diagonal_ += more;
+  last_ = {};
+}
+
+MotionForces DealtMatrix::forces_of(const DenseMatrix& motions, bool transposed) const {
+  MotionForces out{DenseMatrix(size(), motions.cols()), DenseMatrix(size(), motions.cols())};
+  Vector forces, sizes;
+  for (Eigen::Index m = 0; m < motions.cols(); ++m) {
+    const Vector motion = motions.col(m);
+    if (transposed)
+      all_.transposed(number_, motion, forces, sizes);
+    else
+      apply(motion, forces), apply_magnitude(motion, sizes);
+    out.forces.col(m) = forces;
+    out.sizes.col(m) = sizes;
+  }
+  return out;
 }
 
 /// Rows that are no unknown's have the largest entry of the others.

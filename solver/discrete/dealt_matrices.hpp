@@ -3,7 +3,9 @@
 #pragma once
 
 #include "solver/discrete/own_matrices.hpp"
+#include "solver/discrete/rigid_motions.hpp"
 #include "solver/discrete/rounding.hpp"
+#include "solver/linear/double_double.hpp"
 #include "solver/linear/iterative_solver.hpp"
 #include "solver/linear/matrix_rows.hpp"
 
@@ -31,9 +33,16 @@ public:
   /// `x`: a state, or the unknowns alone where its other values are 0. A x, and |A_ii| max |x_j|
   /// over the columns of row i.
   void product(int matrix, const Vector& x, Vector& product, Vector& whole) const;
+  /// subtract_product (double_double.hpp).
+  void subtract_product(int matrix, const Vector& x, std::vector<DoubleDouble>& y,
+                        Vector& size) const;
   /// |A| |x|
   void magnitude(int matrix, const Vector& x, Vector& out) const;
   Vector diagonal(int matrix) const;
+  /// A^T x and |A|^T |x|, on the unknowns.
+  void transposed(int matrix, const Vector& x, Vector& product, Vector& sizes) const;
+  /// To rounding; see symmetric_to_rounding (operators.hpp).
+  bool is_symmetric(int matrix) const;
   /// add_rounding (rounding.hpp) of base b.
   void add_rounding(int b, const Vector& state, double unit, RoundingForces& forces,
                     Vector& size) const;
@@ -41,6 +50,7 @@ public:
   /// Another matrix, a sum of the bases.
   int another() { return next_++; }
   void combine(int matrix, const Vector& gamma) const;
+  void stiffen(int matrix, const Vector& more) const; ///< adds to the diagonal
   /// For PETSc; see OwnRows::place and OwnRows::leave.
   RowArrays place(int matrix, double alone) const;
   void leave(int matrix) const;
@@ -56,6 +66,7 @@ private:
   std::vector<std::string> ask(const MatrixErrand& errand) const;
   std::vector<std::string> ask(std::span<const std::string> messages) const;
   std::vector<double> columns_of(int p, const Vector& x) const;
+  std::vector<double> rows_of(int p, const Vector& x) const;
   /// Numbers of each process's rows, `part` of several blocks of them, to their unknowns.
   void collect(const std::vector<std::string>& answers, std::size_t part, Vector& out) const;
   void deal_out_nodes(const StateLayout& layout, const std::vector<std::int32_t>& part_of_node,
@@ -81,6 +92,10 @@ public:
   DealtMatrix& operator=(const DealtMatrix&) = delete;
 
   void combine(const Vector& gamma);
+  /// Adds to the diagonal.
+  void stiffen(const Vector& more);
+  double diagonal_entry(int i) const { return diagonal_[i]; }
+  MotionForces forces_of(const DenseMatrix& motions, bool transposed) const;
   /// For the iterative solver, while this lives.
   DealtRows rows() const;
 

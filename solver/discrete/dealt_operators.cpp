@@ -6,7 +6,6 @@
 #include "solver/discrete/distinct_forms.hpp"
 #include "solver/discrete/inertia.hpp"
 #include "solver/discrete/nodes_of_unknowns.hpp"
-#include "solver/discrete/rigid_motions.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -14,26 +13,24 @@
 namespace hvi::solver {
 namespace {
 
-bool may_be_dealt(const Problem& problem, const Discretisation& d, const FormTerm& form) {
-  return !reads_states(form) && !d.parts[static_cast<std::size_t>(form.part)].is_pair() &&
-         (has_symmetric_tensor(problem, form) || stays_mirrored(form));
+bool is_known_symmetric(const Problem& problem, const FormTerm& form) {
+  return has_symmetric_tensor(problem, form) || stays_mirrored(form);
 }
 
 } // namespace
 
-bool may_be_dealt(const Problem& problem, const Discretisation& d, const StateLayout& layout) {
-  return !problem.forms.empty() && !problem.law_terms.empty() && !in_motion(problem) &&
-         !d.space.is_product() && d.space.blocks.front().domain == nullptr &&
-         layout.links.empty() && motions_of_unknowns(d).empty() &&
-         std::ranges::all_of(problem.forms,
-                             [&](const FormTerm& form) { return may_be_dealt(problem, d, form); });
+bool may_be_dealt(const Problem& problem, const Discretisation& d) {
+  return !problem.forms.empty() && !takes_mass_off_contact(problem) &&
+         std::ranges::none_of(problem.forms, [&](const FormTerm& form) {
+           return reads_states(form) || d.parts[static_cast<std::size_t>(form.part)].is_pair();
+         });
 }
 
 Operators deal_operators(const Problem& problem, const Discretisation& d, const StateLayout& layout,
                          int processes) {
   const int n_fields = count_fields(problem);
   const auto distinct = distinct_terms(problem, n_fields, [](const FormTerm&) { return true; });
-  DistinctForms forms{{}, distinct.weights};
+  DistinctForms forms{{}, distinct.weights, couplings_of(problem)};
   for (const FormTerm* const term : distinct.terms) forms.terms.push_back(*term);
   auto unknowns = nodes_of_unknowns(d, layout);
   Operators out;
@@ -45,6 +42,12 @@ Operators deal_operators(const Problem& problem, const Discretisation& d, const 
   for (std::size_t b = 0; b < weights.size(); ++b)
     out.weights.col(static_cast<Eigen::Index>(b)) = weights[b];
   out.bases.resize(weights.size());
+  const bool known = std::ranges::all_of(
+      problem.forms, [&](const FormTerm& form) { return is_known_symmetric(problem, form); });
+  out.coupled = couples_unknowns(forms.couplings);
+  out.symmetric = !out.coupled;
+  for (int b = 0; b < out.n_bases() && !known; ++b)
+    out.symmetric = out.symmetric && out.dealt->is_symmetric(b);
   return out;
 }
 

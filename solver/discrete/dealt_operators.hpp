@@ -5,11 +5,9 @@
 
 namespace hvi::solver {
 
-/// Can they? One unknown on the whole mesh that imposed values hold, laws, no periodic parts, no
-/// inertia, no forms that states change, and forms of which it is known that they are symmetric.
-/// Others are assembled by the first process.
-bool may_be_dealt(const Problem& problem, const Discretisation& discretisation,
-                  const StateLayout& layout);
+/// Can they? Where no mass is taken off the contact and no states change a form. Others are
+/// assembled by the first process.
+bool may_be_dealt(const Problem& problem, const Discretisation& discretisation);
 
 /// Of such a problem. `processes`: two or more, which are led (processes.hpp).
 Operators deal_operators(const Problem& problem, const Discretisation& discretisation,

@@ -195,11 +195,9 @@ Admitted::Part Admitted::farthest_of(const Point& point, const Vector& y) const 
 namespace {
 
 /// Combinations of motions of one unknown that K does not resist.
-DenseMatrix not_resisted(const SparseMatrix& k, const DenseMatrix& motions, const Space& space,
-                         const StateLayout& layout) {
-  if (space.is_product())
-    return kernel(resistance(k, motions, space, layout.dof_of), product_of_rounding);
-  return kernel(k * motions, product_of_rounding * product_size(k, motions));
+DenseMatrix not_resisted(const MotionForces& of, const Space& space, const StateLayout& layout) {
+  if (space.is_product()) return kernel(resistance(of, space, layout.dof_of), product_of_rounding);
+  return kernel(of.forces, product_of_rounding * mean_size(of.sizes));
 }
 
 /// Those that K^T does not see, and those others that K does not see. A constant temperature
@@ -207,10 +205,10 @@ DenseMatrix not_resisted(const SparseMatrix& k, const DenseMatrix& motions, cons
 /// says.
 struct Unseen {
   DenseMatrix by_transposed, by_matrix_alone;
-  Unseen(const SparseMatrix& k, const DenseMatrix& motions, const Space& space,
+  Unseen(const ForcesOfMotions& by_k, const DenseMatrix& motions, const Space& space,
          const StateLayout& layout)
-      : by_transposed(not_resisted(k.transpose(), motions, space, layout)),
-        by_matrix_alone(not_resisted(k, motions, space, layout)) {
+      : by_transposed(not_resisted(by_k(motions, true), space, layout)),
+        by_matrix_alone(not_resisted(by_k(motions, false), space, layout)) {
     if (by_matrix_alone.cols() > 0 && by_transposed.cols() > 0)
       by_matrix_alone *= kernel(by_transposed.transpose() * by_matrix_alone, least_seen);
   }
@@ -220,13 +218,25 @@ struct Unseen {
 
 std::shared_ptr<const FreeBody> find_free_body(std::span<const RigidMotions> motions,
                                                const SparseMatrix& k, const StateLayout& layout) {
-  if (motions.empty() || k.rows() != layout.n_unknowns) return nullptr;
+  if (k.rows() != layout.n_unknowns) return nullptr;
+  return find_free_body(
+      motions,
+      [&](const DenseMatrix& v, bool transposed) {
+        return transposed ? forces_of(SparseMatrix(k.transpose()), v) : forces_of(k, v);
+      },
+      layout);
+}
+
+std::shared_ptr<const FreeBody> find_free_body(std::span<const RigidMotions> motions,
+                                               const ForcesOfMotions& by_k,
+                                               const StateLayout& layout) {
+  if (motions.empty()) return nullptr;
   FreeBody out;
   Eigen::Index count = 0;
   for (const RigidMotions& of : motions) {
     const DenseMatrix all =
         of.on({layout.dof_of.data(), static_cast<std::size_t>(layout.n_unknowns)});
-    const Unseen unseen(k, all, of.space(), layout);
+    const Unseen unseen(by_k, all, of.space(), layout);
     const auto take = [&](const DenseMatrix& chosen, bool balances) {
       if (chosen.cols() == 0) return;
       count += chosen.cols();
@@ -236,7 +246,7 @@ std::shared_ptr<const FreeBody> find_free_body(std::span<const RigidMotions> mot
     take(unseen.by_matrix_alone, false);
   }
   if (out.parts.empty()) return nullptr;
-  out.on_unknowns.resize(k.rows(), count);
+  out.on_unknowns.resize(layout.n_unknowns, count);
   count = 0;
   for (const auto& part : out.parts) {
     out.on_unknowns.middleCols(count, part.chosen.cols()) = part.on_unknowns;

@@ -47,6 +47,9 @@ struct FreeBody {
 
 /// What K leaves free of these motions, of each unknown by itself; null: nothing.
 std::shared_ptr<const FreeBody> find_free_body(std::span<const RigidMotions> motions,
+                                               const ForcesOfMotions& by_k,
+                                               const StateLayout& layout);
+std::shared_ptr<const FreeBody> find_free_body(std::span<const RigidMotions> motions,
                                                const SparseMatrix& k, const StateLayout& layout);
 
 /// All of them, in words.

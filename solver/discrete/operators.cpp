@@ -108,7 +108,8 @@ void add_changing(const Problem& problem, const Discretisation& discretisation,
   operators.shared = nullptr; // these factors are of one moment
 }
 
-/// Unknowns that no form couples have no entries in common: they are apart in memory and factors.
+} // namespace
+
 void take_apart(const Couplings& couplings, const Space& space, const StateLayout& layout,
                 std::vector<SparseMatrix>& matrices) {
   if (!space.is_product()) return;
@@ -124,13 +125,11 @@ void take_apart(const Couplings& couplings, const Space& space, const StateLayou
   }
 }
 
-} // namespace
-
 bool symmetric_to_rounding(const SparseMatrix& matrix) {
   const double largest =
       Eigen::Map<const Vector>(matrix.valuePtr(), matrix.nonZeros()).lpNorm<Eigen::Infinity>();
   return all_mirror_pairs(matrix, [&](int, int, double left, double right) {
-    return std::abs(left - right) <= 1e-12 * largest;
+    return std::abs(left - right) <= asymmetry_of_rounding * largest;
   });
 }
 

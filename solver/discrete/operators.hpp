@@ -10,6 +10,7 @@
 #include "solver/discrete/state.hpp"
 #include "solver/linear/iterative_solver.hpp"
 #include "solver/linear/symmetric_blocks.hpp"
+#include "solver/plan/couplings.hpp"
 #include "solver/plan/problem.hpp"
 
 #include <algorithm>
@@ -71,7 +72,13 @@ std::vector<SparseMatrix> assemble_terms(const Discretisation& discretisation,
                                          const StateLayout& layout,
                                          std::span<const FormTerm* const> terms, int threads);
 
-/// Symmetric to 1e-12 of its largest entry, the rounding of an assembly.
+/// Unknowns that no form couples have no entries in common: they are apart in memory and factors.
+void take_apart(const Couplings& couplings, const Space& space, const StateLayout& layout,
+                std::vector<SparseMatrix>& matrices);
+
+/// Of a matrix's largest entry: the rounding of an assembly.
+inline constexpr double asymmetry_of_rounding = 1e-12;
+/// Are entries that far from their mirror images at most?
 bool symmetric_to_rounding(const SparseMatrix& matrix);
 
 /// The sum of the plan's forms on one field, on all dofs, with the initial states.

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
 #include <new>
 #include <numeric>
@@ -48,9 +49,15 @@ public:
   OwnEntries put_layout(StateWriter& w) const;
 
 private:
+  /// Has this process the row of a state's entry?
+  bool is_own(std::int32_t entry) const {
+    return entry >= 0 && entry < layout_.n_unknowns &&
+           of_node_[layout_.dof_of[entry] / d_.space.components] == p_;
+  }
   std::vector<char> own_cells() const;
   std::vector<char> their_nodes() const;
   std::vector<char> needed_facets() const;
+  void put_block(StateWriter& w, const SpaceBlock& block) const;
   const Chosen& of_kind(Group::Kind kind) const {
     return kind == Group::Kind::cells ? cells_ : kind == Group::Kind::facets ? facets_ : nodes_;
   }
@@ -63,11 +70,15 @@ private:
   Chosen cells_, nodes_, facets_;
 };
 
+/// A node of a periodic part has the rows of the one that it repeats.
 std::vector<char> Cut::own_cells() const {
+  std::vector<char> own(d_.space.nodes.size(), 0);
+  for (int dof = 0; dof < layout_.n_dofs; ++dof)
+    if (is_own(layout_.entry_of[dof])) own[dof / d_.space.components] = 1;
   std::vector<char> out(d_.mesh.cells.size(), 0);
   for (std::size_t c = 0; c < out.size(); ++c)
     out[c] = std::ranges::any_of(d_.space.nodes_of_cell(static_cast<int>(c)),
-                                 [&](auto node) { return of_node_[node] == p_; });
+                                 [&](auto node) { return own[node] != 0; });
   return out;
 }
 
@@ -116,11 +127,25 @@ void Cut::put_mesh(StateWriter& w) const {
   w.put(facets);
 }
 
+void Cut::put_block(StateWriter& w, const SpaceBlock& block) const {
+  put_text(w, block.name);
+  w.put(block.first);
+  w.put(block.components);
+  w.put(block.order);
+  Indices cells; // of its domain
+  if (block.domain)
+    for (const auto cell : block.domain->cells.entities)
+      if (const auto here = cells_[cell]; here >= 0) cells.push_back(here);
+  w.put(block.domain != nullptr ? block.domain->part : -1);
+  w.put(cells);
+}
+
 void Cut::put_space(StateWriter& w) const {
   const Space& space = d_.space;
   w.put(space.order);
   w.put(space.components);
-  put_text(w, space.blocks.front().name);
+  w.put(static_cast<int>(space.blocks.size()));
+  for (const SpaceBlock& block : space.blocks) put_block(w, block);
   std::vector<Point> nodes;
   for (const auto node : nodes_.whole) nodes.push_back(space.nodes[static_cast<std::size_t>(node)]);
   w.put(nodes);
@@ -158,24 +183,56 @@ void Cut::put_regions(StateWriter& w) const {
   }
 }
 
+/// Of dofs with one entry the one that the others repeat has it, where that is here.
 OwnEntries Cut::put_layout(StateWriter& w) const {
   const int components = d_.space.components;
   OwnEntries out;
   Indices dof_of, others, others_dof;
+  std::vector<DofLink> links;
+  std::map<std::int32_t, std::int32_t> has; // by entry that is repeated, the dof here
+  for (const DofLink& link : layout_.links) has[layout_.entry_of[link.to]] = -1;
+  const auto here = [&](std::int32_t dof) {
+    const auto node = nodes_[dof / components];
+    return node < 0 ? -1 : node * components + dof % components;
+  };
+  for (auto& [entry, dof] : has)
+    if (entry >= 0) dof = here(layout_.dof_of[entry]);
   for (std::size_t node = 0; node < nodes_.whole.size(); ++node)
     for (int c = 0; c < components; ++c) {
       const auto entry = layout_.entry_of[d_.space.dof(nodes_.whole[node], c)];
       if (entry < 0) continue;
-      const bool own = entry < layout_.n_unknowns && of_node_[nodes_.whole[node]] == p_;
-      (own ? out.state : others).push_back(entry);
-      (own ? dof_of : others_dof).push_back(static_cast<std::int32_t>(node) * components + c);
+      const auto dof = static_cast<std::int32_t>(node) * components + c;
+      if (const auto repeated = has.find(entry); repeated != has.end()) {
+        if (repeated->second < 0) repeated->second = dof;
+        if (repeated->second != dof) {
+          links.push_back({dof, repeated->second});
+          continue;
+        }
+      }
+      (is_own(entry) ? out.state : others).push_back(entry);
+      (is_own(entry) ? dof_of : others_dof).push_back(dof);
     }
   out.unknowns = static_cast<int>(out.state.size());
   out.state.insert(out.state.end(), others.begin(), others.end());
   dof_of.insert(dof_of.end(), others_dof.begin(), others_dof.end());
   w.put(out.unknowns);
   w.put(dof_of);
+  w.put(links);
   return out;
+}
+
+/// The cells of its domain, which is made of them when the nodes are there.
+Indices get_block(StateReader& r, SpaceBlock& out) {
+  out.name = get_text(r);
+  out.first = r.get<int>();
+  out.components = r.get<int>();
+  out.order = r.get<int>();
+  if (const int part = r.get<int>(); part >= 0) {
+    auto domain = std::make_shared<SpaceDomain>();
+    domain->part = part;
+    out.domain = std::move(domain);
+  }
+  return r.get_vector<std::int32_t>();
 }
 
 void get_space(StateReader& r, Discretisation& d) {
@@ -183,7 +240,9 @@ void get_space(StateReader& r, Discretisation& d) {
   space.mesh = &d.mesh;
   space.order = r.get<int>();
   space.components = r.get<int>();
-  space.blocks.front() = {get_text(r), 0, space.components, space.order};
+  std::vector<Indices> domains;
+  space.blocks.resize(static_cast<std::size_t>(r.get<int>()));
+  for (SpaceBlock& block : space.blocks) domains.push_back(get_block(r, block));
   space.nodes = r.get_vector<Point>();
   space.cell_nodes = r.get_vector<std::int32_t>();
   space.facet_nodes = r.get_vector<std::int32_t>();
@@ -192,6 +251,10 @@ void get_space(StateReader& r, Discretisation& d) {
   space.nodes_per_facet = space.order == 1 ? dim : dim * (dim + 1) / 2;
   space.graph = std::make_shared<const NodeGraph>(
       make_node_graph(space.nodes.size(), space.cell_nodes, space.nodes_per_cell));
+  for (std::size_t b = 0; b < space.blocks.size(); ++b)
+    if (space.blocks[b].domain)
+      space.blocks[b].domain = domain_of_cells(space, {Group::Kind::cells, std::move(domains[b])},
+                                               space.blocks[b].domain->part);
 }
 
 void get_regions(StateReader& r, Discretisation& d) {
@@ -212,10 +275,12 @@ void get_regions(StateReader& r, Discretisation& d) {
 void get_layout(StateReader& r, const Space& space, StateLayout& out) {
   out.n_unknowns = r.get<int>();
   out.dof_of = r.get_vector<std::int32_t>();
+  out.links = r.get_vector<DofLink>();
   out.n_state = static_cast<int>(out.dof_of.size());
   out.n_dofs = space.n_dofs();
   out.entry_of.assign(static_cast<std::size_t>(out.n_dofs), -1);
   for (int entry = 0; entry < out.n_state; ++entry) out.entry_of[out.dof_of[entry]] = entry;
+  for (const DofLink& link : out.links) out.entry_of[link.dof] = out.entry_of[link.to];
 }
 
 /// Neighbours without the vertex itself, of the nodes that are chosen.

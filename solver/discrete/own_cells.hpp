@@ -32,8 +32,7 @@ struct OwnEntries {
 /// between them (METIS, as parts_of_cells). Nodes without unknowns: 0.
 std::vector<std::int32_t> parts_of_nodes(const Space& space, const StateLayout& layout, int parts);
 
-/// Writes the cells of process p as bytes. `parts`: of the plan, which its forms act on. Spaces of
-/// one unknown on the whole mesh, and layouts without links.
+/// Writes the cells of process p as bytes. `parts`: of the plan, which its forms act on.
 OwnEntries put_own_cells(StateWriter& w, const Discretisation& discretisation,
                          const StateLayout& layout, std::span<const std::int32_t> part_of_node,
                          int p, std::span<const int> parts);

@@ -7,6 +7,7 @@
 #include "solver/kernel/expr_stream.hpp"
 #include "solver/linear/vector_stream.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <new>
 #include <sstream>
@@ -45,6 +46,7 @@ FormTerm get_form(StateReader& r) {
 
 void put_forms(StateWriter& w, const DistinctForms& forms) {
   std::vector<Expr> coefficients;
+  w.put(forms.couplings);
   w.put(static_cast<int>(forms.terms.size()));
   for (std::size_t f = 0; f < forms.terms.size(); ++f) {
     put_form(w, forms.terms[f], coefficients);
@@ -55,6 +57,7 @@ void put_forms(StateWriter& w, const DistinctForms& forms) {
 
 DistinctForms get_forms(StateReader& r) {
   DistinctForms out;
+  out.couplings = r.get<Couplings>();
   for (int left = r.get<int>(); left > 0; --left) {
     out.terms.push_back(get_form(r));
     get_vector(r, out.weights.emplace_back());
@@ -67,12 +70,18 @@ DistinctForms get_forms(StateReader& r) {
 }
 
 void put_placed(StateWriter& w, const OwnEntries& entries, std::span<const std::int32_t> place,
-                int first, int end) {
+                int first, int end, const Space& space, const StateLayout& layout) {
   PlacedRows placed{first, end - first, {}};
-  for (const auto entry : entries.state) placed.column.push_back(place[entry]);
+  for (const auto entry : entries.state) {
+    placed.column.push_back(place[entry]);
+    if (space.is_product())
+      placed.of_unknown.push_back(
+          static_cast<std::uint8_t>(space.block_of(layout.dof_of[entry] % space.components)));
+  }
   w.put(placed.first);
   w.put(placed.count);
   w.put(placed.column);
+  w.put(placed.of_unknown);
 }
 
 PlacedRows get_placed(StateReader& r) {
@@ -80,6 +89,7 @@ PlacedRows get_placed(StateReader& r) {
   out.first = r.get<int>();
   out.count = r.get<int>();
   out.column = r.get_vector<std::int32_t>();
+  out.of_unknown = r.get_vector<std::uint8_t>();
   return out;
 }
 
@@ -119,6 +129,10 @@ std::string answer_of(OwnRows& rows, const MatrixErrand& errand, std::span<const
     out = room_for(2 * n);
     rows.products(errand.matrix, numbers, numbers_of(out));
     break;
+  case MatrixErrand::precisely:
+    out = room_for(3 * n);
+    rows.precisely(errand.matrix, numbers, numbers_of(out));
+    break;
   case MatrixErrand::magnitudes:
     out = room_for(n);
     rows.magnitudes(errand.matrix, numbers, numbers_of(out));
@@ -127,8 +141,21 @@ std::string answer_of(OwnRows& rows, const MatrixErrand& errand, std::span<const
     out = room_for(n);
     rows.diagonal(errand.matrix, numbers_of(out));
     break;
+  case MatrixErrand::transposed:
+    out = room_for(2 * static_cast<std::size_t>(rows.columns()));
+    rows.transposed(errand.matrix, numbers, numbers_of(out));
+    break;
+  case MatrixErrand::asymmetry: {
+    const std::vector<double> found = rows.asymmetry(errand.matrix);
+    out = room_for(found.size());
+    std::ranges::copy(found, numbers_of(out).begin());
+    break;
+  }
   case MatrixErrand::sum:
     rows.combine(errand.matrix, numbers);
+    break;
+  case MatrixErrand::stiffen:
+    rows.stiffen(errand.matrix, numbers);
     break;
   case MatrixErrand::place:
     rows.place(errand.matrix, errand.number);
@@ -192,7 +219,7 @@ OwnEntries put_assembly(StateWriter& w, const Discretisation& discretisation,
   std::vector<int> parts;
   for (const FormTerm& form : forms.terms) parts.push_back(form.part);
   OwnEntries out = put_own_cells(w, discretisation, layout, part_of_node, p, parts);
-  put_placed(w, out, place, first_row[p], first_row[p + 1]);
+  put_placed(w, out, place, first_row[p], first_row[p + 1], discretisation.space, layout);
   put_forms(w, forms);
   return out;
 }
@@ -208,6 +235,7 @@ std::string OwnMatrices::assemble(std::uint64_t set, std::string_view bytes) {
     std::vector<const FormTerm*> terms;
     for (const FormTerm& form : forms.terms) terms.push_back(&form);
     auto matrices = assemble_terms(cells.discretisation, cells.layout, terms, 1);
+    take_apart(forms.couplings, cells.discretisation.space, cells.layout, matrices);
     merge_equal_weights(matrices, forms.weights);
     sets_.erase(set);
     sets_.try_emplace(set, std::move(matrices), std::move(placed));

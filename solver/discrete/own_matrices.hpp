@@ -5,6 +5,7 @@
 #include "solver/common/stream.hpp"
 #include "solver/discrete/own_cells.hpp"
 #include "solver/linear/own_rows.hpp"
+#include "solver/plan/couplings.hpp"
 #include "solver/plan/problem.hpp"
 
 #include <cstdint>
@@ -21,6 +22,7 @@ namespace hvi::solver {
 struct DistinctForms {
   std::vector<FormTerm> terms;
   std::vector<Vector> weights;
+  Couplings couplings{}; ///< of several unknowns
 };
 
 /// A message is this, and numbers behind it: what `what` asks for, of the matrices `set`.
@@ -28,9 +30,13 @@ struct MatrixErrand {
   enum What : int {
     assemble,   ///< bytes of put_assembly, to be answered as assembled() reads it
     products,   ///< OwnRows::products of these columns
+    precisely,  ///< OwnRows::precisely
     magnitudes, ///< OwnRows::magnitudes
     diagonal,   ///< OwnRows::diagonal
+    transposed, ///< OwnRows::transposed of numbers of its rows
+    asymmetry,  ///< OwnRows::asymmetry
     sum,        ///< OwnRows::combine by these coefficients
+    stiffen,    ///< OwnRows::stiffen by these numbers
     place,      ///< OwnRows::place, `number` for the rows that are no unknown's
     leave,      ///< OwnRows::leave
     rounding,   ///< rounding_of_rows by the unit `number` of these columns and, behind, their sizes

@@ -112,8 +112,12 @@ DenseMatrix kernel(const DenseMatrix& a, double small) {
   return aligned(found.vectors.rightCols(n - seen));
 }
 
-double product_size(const SparseMatrix& k, const DenseMatrix& v) {
-  return (k.cwiseAbs() * v.cwiseAbs()).norm() / std::sqrt(static_cast<double>(v.cols()));
+MotionForces forces_of(const SparseMatrix& k, const DenseMatrix& motions) {
+  return {k * motions, k.cwiseAbs() * motions.cwiseAbs()};
+}
+
+double mean_size(const DenseMatrix& sizes) {
+  return sizes.norm() / std::sqrt(static_cast<double>(sizes.cols()));
 }
 
 RigidMotions::RigidMotions(const Discretisation& d, int unknown)
@@ -306,19 +310,22 @@ std::vector<RigidMotions> motions_of_unknowns(const Discretisation& d) {
   return out;
 }
 
-DenseMatrix resistance(const SparseMatrix& k, const DenseMatrix& motions, const Space& space,
+DenseMatrix resistance(const MotionForces& of, const Space& space,
                        std::span<const std::int32_t> dofs) {
-  const int n = n_unknowns(space);
-  DenseMatrix forces = DenseMatrix::Zero(k.rows() * n, motions.cols());
-  for (int b = 0; b < n; ++b) {
-    SparseMatrix rows = k;
-    rows.prune([&](Eigen::Index row, Eigen::Index, double) {
+  const Eigen::Index n = of.forces.rows();
+  DenseMatrix out = DenseMatrix::Zero(n * n_unknowns(space), of.forces.cols());
+  for (int b = 0; b < n_unknowns(space); ++b) {
+    DenseMatrix sizes = DenseMatrix::Zero(n, of.sizes.cols());
+    const auto is_of = [&](Eigen::Index row) {
       return space.block_of(dofs[static_cast<std::size_t>(row)] % space.components) == b;
-    });
-    const double size = product_size(rows, motions);
-    if (size > 0.0) forces.middleRows(b * k.rows(), k.rows()) = rows * motions / size;
+    };
+    for (Eigen::Index row = 0; row < n; ++row)
+      if (is_of(row)) sizes.row(row) = of.sizes.row(row);
+    const double size = mean_size(sizes);
+    for (Eigen::Index row = 0; row < n && size > 0.0; ++row)
+      if (is_of(row)) out.row(b * n + row) = of.forces.row(row) / size;
   }
-  return forces;
+  return out;
 }
 
 } // namespace hvi::solver

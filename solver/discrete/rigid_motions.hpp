@@ -4,6 +4,7 @@
 #include "solver/discrete/discretisation.hpp"
 #include "solver/linear/dense.hpp"
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,9 +15,17 @@ namespace hvi::solver {
 /// possible: motions that people have names for.
 DenseMatrix kernel(const DenseMatrix& a, double small);
 
-/// Root of the mean square of sum_j |K_ij v_j| over the columns v.
-double product_size(const SparseMatrix& k, const DenseMatrix& v);
-/// K v is rounding below this part of it.
+/// What a matrix makes of motions, a column each.
+struct MotionForces {
+  DenseMatrix forces, sizes; ///< K v, and what its rows sum up, |K| |v|
+};
+MotionForces forces_of(const SparseMatrix& k, const DenseMatrix& motions);
+/// The same of whatever holds the matrix, or of its transpose.
+using ForcesOfMotions = std::function<MotionForces(const DenseMatrix& motions, bool transposed)>;
+
+/// Root of the mean square of the sizes over the columns.
+double mean_size(const DenseMatrix& sizes);
+/// Forces are rounding below this part of it.
 inline constexpr double product_of_rounding = 2e-14;
 
 /// Cells that share a facet are one piece, and move as one: by translations and infinitesimal
@@ -63,9 +72,9 @@ private:
 /// Of each unknown that imposed values leave any.
 std::vector<RigidMotions> motions_of_unknowns(const Discretisation& discretisation);
 
-/// K times these motions. Of several unknowns each has units of its own: their rows, one set below
-/// the other, are divided by the size of what they sum up.
-DenseMatrix resistance(const SparseMatrix& k, const DenseMatrix& motions, const Space& space,
+/// The forces of these motions. Of several unknowns each has units of its own: their rows, one set
+/// below the other, are divided by the size of what they sum up.
+DenseMatrix resistance(const MotionForces& of, const Space& space,
                        std::span<const std::int32_t> dofs);
 
 } // namespace hvi::solver

@@ -97,15 +97,15 @@ void rounding_of_rows(const OwnRows& rows, int matrix, std::span<const double> v
   });
 }
 
-Vector growth_probe(const SparseMatrix& k) {
-  Vector b(k.rows());
-  for (int i = 0; i < k.rows(); ++i) {
-    double sum = 0.0;
-    for (SparseMatrix::InnerIterator it(k, i); it; ++it) sum += std::abs(it.value());
-    b[i] = random_unit(static_cast<std::uint64_t>(i), 0) < 0.0 ? -sum : sum;
-  }
+Vector growth_probe(const MatrixRows& k) {
+  Vector b;
+  k.apply_magnitude(Vector::Ones(k.size()), b);
+  for (Eigen::Index i = 0; i < b.size(); ++i)
+    if (random_unit(static_cast<std::uint64_t>(i), 0) < 0.0) b[i] = -b[i];
   return b;
 }
+
+Vector growth_probe(const SparseMatrix& k) { return growth_probe(HeldRows(k, {})); }
 
 double rounding_growth(const Vector& b, const Vector& y, const Vector& r, Factorisation& factor) {
   Vector x = Vector::Zero(factor.order().size()); // the interior has its solve: zeros cost none
@@ -122,6 +122,13 @@ double rounding_growth(const SparseMatrix& k, Factorisation& factor) {
     forward(factor, b, x, r);
     return rounding_growth(b, x.head(factor.order().interior), r, factor);
   }
+  solve(factor, b, x);
+  return growth_of(x.lpNorm<Eigen::Infinity>(), b.size());
+}
+
+double rounding_growth(const MatrixRows& k, Factorisation& factor) {
+  const Vector b = growth_probe(k);
+  Vector x;
   solve(factor, b, x);
   return growth_of(x.lpNorm<Eigen::Infinity>(), b.size());
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/linear/factorisation.hpp"
+#include "solver/linear/matrix_rows.hpp"
 #include "solver/linear/own_rows.hpp"
 #include "solver/linear/symmetric_blocks.hpp"
 
@@ -55,6 +56,7 @@ void rounding_of_rows(const OwnRows& rows, int matrix, std::span<const double> v
 /// b_i = +- sum_j |K_ij| of random signs, eps b^T K^-1 b / rms(b), or max_i |eps K^-1 b|_i times
 /// the square root of the size where K has no Cholesky factor.
 double rounding_growth(const SparseMatrix& k, Factorisation& factor);
+double rounding_growth(const MatrixRows& k, Factorisation& factor); ///< not Cholesky's
 /// The b of it, and what it finds from what `forward` (factorisation.hpp) makes of b, among other
 /// right-hand sides: y of the interior and r. For Cholesky factors.
 Vector growth_probe(const SparseMatrix& k);

@@ -201,6 +201,20 @@ Space make_space(const Mesh& mesh, int order, int components, std::span<const Re
   return space;
 }
 
+std::shared_ptr<const SpaceDomain> domain_of_cells(const Space& space, Region cells, int part) {
+  auto out = std::make_shared<SpaceDomain>();
+  out->part = part;
+  out->cells = std::move(cells);
+  out->has_cell.assign(space.mesh->cells.size(), 0);
+  out->has_node.assign(space.nodes.size(), 0);
+  for (const auto cell : out->cells.entities) {
+    out->has_cell[static_cast<std::size_t>(cell)] = 1;
+    for (const auto node : space.nodes_of_cell(cell))
+      out->has_node[static_cast<std::size_t>(node)] = 1;
+  }
+  return out;
+}
+
 namespace {
 
 std::shared_ptr<const SpaceDomain> make_domain(const Space& space, int part, const Region& cells,
@@ -208,17 +222,7 @@ std::shared_ptr<const SpaceDomain> make_domain(const Space& space, int part, con
   if (cells.kind != Group::Kind::cells)
     throw Failure(FailureKind::bad_value, origin, "a space lives on cells of the mesh",
                   "take a mesh, a piece of it, or a part of its cells");
-  auto out = std::make_shared<SpaceDomain>();
-  out->part = part;
-  out->cells = cells;
-  out->has_cell.assign(space.mesh->cells.size(), 0);
-  out->has_node.assign(space.nodes.size(), 0);
-  for (const auto cell : cells.entities) {
-    out->has_cell[static_cast<std::size_t>(cell)] = 1;
-    for (const auto node : space.nodes_of_cell(cell))
-      out->has_node[static_cast<std::size_t>(node)] = 1;
-  }
-  return out;
+  return domain_of_cells(space, cells, part);
 }
 
 } // namespace

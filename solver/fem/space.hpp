@@ -88,6 +88,8 @@ struct Space {
             static_cast<std::size_t>(nodes_per_facet)};
   }
 };
+/// Of these cells.
+std::shared_ptr<const SpaceDomain> domain_of_cells(const Space& space, Region cells, int part);
 /// The cells an unknown has functions on.
 Region cells_of(const Space& space, const SpaceBlock& block);
 inline int n_unknowns(const Space& space) { return static_cast<int>(space.blocks.size()); }

@@ -84,17 +84,33 @@ void FactoredMatrix::factor(const Vector& gamma) {
 }
 
 void FactoredMatrix::factor_dealt() {
-  if (dealt_ == nullptr) {
-    auto made = std::make_unique<DealtMatrix>(*operators_.dealt);
-    dealt_ = made.get();
-    rows_ = std::move(made);
-  }
+  if (!dealt_) dealt_ = std::make_unique<DealtMatrix>(*operators_.dealt);
   dealt_->combine(gamma_);
+  const auto by_k = [this](const DenseMatrix& motions, bool transposed) {
+    return dealt_->forces_of(motions, transposed);
+  };
+  free_ = motions_.empty() ? nullptr : find_free_body(motions_, by_k, *layout_);
+  if ((dealt_held_ != nullptr) != (free_ != nullptr)) iterations_.reset(), dealt_held_.reset();
+  if (free_) {
+    if (!dealt_held_) dealt_held_ = std::make_unique<DealtMatrix>(*operators_.dealt);
+    dealt_held_->combine(gamma_);
+    Vector more = Vector::Zero(operators_.n_unknowns);
+    for_held([&](int i, double stiffness) { more[i] = stiffness; });
+    dealt_held_->stiffen(more);
+  }
+  const DealtMatrix& of = free_ ? *dealt_held_ : *dealt_;
   if (iterations_)
     iterations_->matrix_changed();
   else
-    iterations_ =
-        petsc_solver(dealt_->rows(), dealt_->pieces(), symmetric(), *operators_.iterative);
+    iterations_ = petsc_solver(of.rows(), of.pieces(), symmetric(), *operators_.iterative);
+  if (free_) iterations_->set_free_motions(free_->on_unknowns);
+  if (contact_.none()) take_for_a_factor();
+}
+
+const MatrixRows& FactoredMatrix::rows_of_iterations() const {
+  if (dealt_held_) return *dealt_held_;
+  if (dealt_) return *dealt_;
+  return *rows_;
 }
 
 /// Iterations know the matrix by where its entries are.
@@ -125,15 +141,19 @@ void FactoredMatrix::prepare_iterations() {
     iterations_ = petsc_solver(free_ ? held_ : k_, symmetric(), *operators_.iterative);
   rows_ = std::make_unique<HeldRows>(free_ ? held_ : k_, contact_.of_unknown);
   if (free_) iterations_->set_free_motions(free_->on_unknowns);
-  if (!contact_.none()) return;
-  factorisation_ = own(iterative_factorisation(*iterations_, operators_.n_unknowns));
+  if (contact_.none()) take_for_a_factor();
+}
+
+/// Without laws nothing but linear systems is to be solved.
+void FactoredMatrix::take_for_a_factor() {
+  factorisation_ = own(iterative_factorisation(*iterations_, rows_of_iterations()));
   factorisation_->factor(k_);
 }
 
 std::unique_ptr<ReducedOperator> FactoredMatrix::reduced_operator() const {
   const bool symmetric = this->symmetric() && !contact_.mixed;
   if (iterations_)
-    return std::make_unique<IterativeOperator>(*rows_, symmetric, *iterations_,
+    return std::make_unique<IterativeOperator>(rows_of_iterations(), symmetric, *iterations_,
                                                !contact_.of_unknown.empty());
   if (contact_.whole) return sparse_operator(free_ ? held() : k_, symmetric);
   return dense_operator(factorisation_.kept(), symmetric);
@@ -154,7 +174,7 @@ void FactoredMatrix::for_held(const Held& held) const {
   const SparseMatrix& force = contact_.force; // of those that no law sees iterations keep nothing
   for (const int i : contact_.loaded)
     if (!operators_.iterative || force.outerIndexPtr()[i] < force.outerIndexPtr()[i + 1])
-      held(i, hold * std::abs(k_.coeff(i, i)));
+      held(i, hold * std::abs(dealt_ ? dealt_->diagonal_entry(i) : k_.coeff(i, i)));
 }
 
 SparseMatrix FactoredMatrix::held() const {

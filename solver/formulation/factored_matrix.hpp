@@ -51,7 +51,7 @@ public:
   const Vector& gamma() const { return gamma_; }
   const SparseMatrix& k() const { return k_; }
   /// K where several processes have its rows; null: `k` has them.
-  const DealtMatrix* dealt() const { return dealt_; }
+  const DealtMatrix* dealt() const { return dealt_.get(); }
   /// Absent where all unknowns are contact unknowns, so that nothing is condensed.
   const SharedFactor& factorisation() const { return factorisation_; }
   /// Is the factor one of singles? Then corrections leave a hundredth of an error, at most.
@@ -63,6 +63,8 @@ public:
 
 private:
   void factor_dealt();
+  const MatrixRows& rows_of_iterations() const;
+  void take_for_a_factor();
   bool symmetric() const;
   void set_matrix(SparseMatrix& k);
   void prepare_iterations();
@@ -80,9 +82,10 @@ private:
   SparseMatrix k_, held_; ///< the second one for iterations, where motions are free
   SymmetricBlocks half_;
   SharedFactor factorisation_;
-  std::unique_ptr<MatrixRows> rows_;            ///< of k_ or held_, or dealt out, for iterations
-  DealtMatrix* dealt_ = nullptr;                ///< the same, dealt out; null: k_ has all rows
-  std::unique_ptr<IterativeSolver> iterations_; ///< instead of a factor; reads k_ or held_
+  std::unique_ptr<DealtMatrix> dealt_,
+      dealt_held_;                              ///< the same, dealt out; null: all rows are here
+  std::unique_ptr<HeldRows> rows_;              ///< of k_ or held_, for iterations
+  std::unique_ptr<IterativeSolver> iterations_; ///< instead of a factor; reads one of these
 };
 
 /// The condition number of K, estimated; factors K where there is no factor of it. 0: K has a free

@@ -94,14 +94,34 @@ private:
   InteriorEquilibrium equilibrium_;
 };
 
-/// By all processes, where there are several for iterations that were asked for. One process has
-/// the same base matrices then: it may go on from the checkpoint of several.
-Operators operators_of(const Plan& plan, const Discretisation& d, const StateLayout& layout) {
-  const bool may =
-      plan.options.solver == LinearSolver::iterative && may_be_dealt(plan.problem, d, layout);
+/// For iterations: by all processes, where there are several. One process has the same base
+/// matrices then: it may go on from the checkpoint of several.
+Operators operators_for_iterations(const Plan& plan, const Discretisation& d,
+                                   const StateLayout& layout) {
+  const bool may = may_be_dealt(plan.problem, d);
   if (const int processes = may ? processes_led() : 1; processes > 1)
     return deal_operators(plan.problem, d, layout, processes);
   return assemble_operators(plan.problem, d, layout, plan.options.threads, !may);
+}
+
+/// Where nobody asked for a solver the first process assembles, for the choice goes by that.
+Operators operators_of(const Plan& plan, const Discretisation& d, const StateLayout& layout) {
+  if (plan.options.solver == LinearSolver::iterative)
+    return operators_for_iterations(plan, d, layout);
+  return assemble_operators(plan.problem, d, layout, plan.options.threads);
+}
+
+/// What was assembled for the choice serves no more.
+void take_iterations(const Plan& plan, const Discretisation& d, const StateLayout& layout,
+                     Operators& operators, Contact& contact) {
+  const ChosenSolver chosen = std::move(operators.chosen);
+  if (plan.options.solver != LinearSolver::iterative) {
+    operators = {};
+    operators = operators_for_iterations(plan, d, layout);
+    contact = make_contact(plan.problem, d, layout, true);
+  }
+  operators.chosen = chosen;
+  if (!operators.iterative) operators.iterative = nodes_of_unknowns(d, layout);
 }
 
 DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
@@ -112,10 +132,8 @@ DiscreteProblem on_all_unknowns(const Plan& plan, const Discretisation& d) {
   const bool asked = plan.options.solver == LinearSolver::iterative;
   Contact contact = make_contact(plan.problem, d, layout, asked);
   operators.chosen = choose_solver(plan, d, layout, operators, contact);
-  if (operators.chosen.solver == LinearSolver::iterative) {
-    if (!operators.iterative) operators.iterative = nodes_of_unknowns(d, layout);
-    if (!asked) contact = make_contact(plan.problem, d, layout, true);
-  }
+  if (operators.chosen.solver == LinearSolver::iterative)
+    take_iterations(plan, d, layout, operators, contact);
   ChangingForms changing(plan.problem, d, contact, operators);
   changing.take(contact, layout, operators);
   StateLoads state_loads(plan.problem, d, contact, &layout);

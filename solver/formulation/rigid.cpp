@@ -83,6 +83,13 @@ bool strains_nothing(const Space& space, const Vector& motion) {
                 "to double precision the matrix is singular: " + where, better_conditioned);
 }
 
+/// K, which is assembled here where several processes have its rows.
+SparseMatrix matrix_of(const StepMatrix& matrix, const Vector& gamma, const MatrixOf& of,
+                       const Problem& problem, const Discretisation& d) {
+  if (matrix.dealt() == nullptr) return matrix.k();
+  return combine(assemble_operators(problem, d, of.formulation.layout(), 1, false), gamma);
+}
+
 /// The memory of a step within that step may subtract more stiffness than the body has: neither the
 /// forms nor double precision are to blame.
 void blame_memory(StepMatrix& matrix, const MatrixOf& of, const Problem& problem) {
@@ -106,7 +113,7 @@ void blame_memory(StepMatrix& matrix, const MatrixOf& of, const Problem& problem
 /// The combinations of these motions that K does not resist.
 DenseMatrix not_resisted(const SparseMatrix& k, const DenseMatrix& motions, const Space& space,
                          const StateLayout& layout) {
-  return kernel(resistance(k, motions, space, layout.dof_of), product_of_rounding);
+  return kernel(resistance(forces_of(k, motions), space, layout.dof_of), product_of_rounding);
 }
 
 } // namespace
@@ -135,14 +142,14 @@ void factor_or_explain(StepMatrix& matrix, const Vector& gamma, const MatrixOf& 
         problem.forms.empty() ? problem.space.origin : problem.forms.front().origin;
     if (const FreeBody* const body = matrix.free_body())
       refuse_free(unseen_motions(*body, of.formulation.contact()), "", origin);
-    const auto left = free_motions(matrix.k(), d, of.formulation.layout());
+    const SparseMatrix k = matrix_of(matrix, gamma, of, problem, d);
+    const auto left = free_motions(k, d, of.formulation.layout());
     if (!left.empty())
       throw Failure(FailureKind::not_coercive, origin,
                     fmt::format("the forms and boundary values together leave rigid motions free: "
                                 "{}",
                                 joined(left, "; ")),
                     "clamp a part (`zero on ...`), or add a term that resists the motion");
-    const SparseMatrix k = matrix.k();
     blame_memory(matrix, of, problem);
     explain(k, failure, origin, d.space, of.formulation);
   }

@@ -18,21 +18,17 @@ constexpr int most_rounds = 40;
 
 class IterativeFactorisation final : public Factorisation {
 public:
-  IterativeFactorisation(IterativeSolver& solver, int n) : solver_(solver) {
-    order_.unknown.resize(static_cast<std::size_t>(n));
+  IterativeFactorisation(IterativeSolver& solver, const MatrixRows& k) : solver_(solver), k_(k) {
+    order_.unknown.resize(static_cast<std::size_t>(k.size()));
     std::iota(order_.unknown.begin(), order_.unknown.end(), 0);
-    order_.interior = n;
+    order_.interior = k.size();
   }
 
   std::unique_ptr<Factorisation> another() const override {
     throw std::logic_error("an iterative solver serves one matrix");
   }
 
-  void factor(const SparseMatrix& k) override {
-    k_ = nullptr;
-    solve(k.diagonal());
-    k_ = &k;
-  }
+  void factor(const SparseMatrix&) override { solve_by_norm(k_.diagonal(), x_); }
 
   void forward(RightHandSides, Columns) override {}
 
@@ -58,7 +54,7 @@ private:
   const Vector& solve(const Vector& b) {
     solve_by_norm(b, x_);
     Vector left = b, more;
-    for (int round = 1; round < most_rounds && k_ != nullptr; ++round) {
+    for (int round = 1; round < most_rounds; ++round) {
       if (!rows_that_do_not_hold(b, left)) break;
       solve_by_norm(left, more);
       x_ += more;
@@ -82,22 +78,17 @@ private:
   /// left = b - K x in rows where it is more than `gain_of_row` of what they are made of, 0 in the
   /// others. Are there any?
   bool rows_that_do_not_hold(const Vector& b, Vector& left) const {
-    bool any = false;
-    for (int i = 0; i < b.size(); ++i) {
-      double sum = b[i], size = std::abs(b[i]);
-      for (SparseMatrix::InnerIterator it(*k_, i); it; ++it) {
-        const double product = it.value() * x_[it.col()];
-        sum -= product, size += std::abs(product);
-      }
-      const bool holds = std::abs(sum) <= gain_of_row * size;
-      left[i] = holds ? 0.0 : sum;
-      any = any || !holds;
-    }
-    return any;
+    Vector product, sizes;
+    k_.apply(x_, product);
+    k_.apply_magnitude(x_, sizes);
+    left = b - product;
+    for (Eigen::Index i = 0; i < b.size(); ++i)
+      if (std::abs(left[i]) <= gain_of_row * (std::abs(b[i]) + sizes[i])) left[i] = 0.0;
+    return !left.isZero(0.0);
   }
 
   IterativeSolver& solver_;
-  const SparseMatrix* k_ = nullptr; ///< as it was factored last
+  const MatrixRows& k_;
   EliminationOrder order_;
   FactorStatistics statistics_;
   DenseMatrix none_;
@@ -106,8 +97,9 @@ private:
 
 } // namespace
 
-std::unique_ptr<Factorisation> iterative_factorisation(IterativeSolver& solver, int n) {
-  return std::make_unique<IterativeFactorisation>(solver, n);
+std::unique_ptr<Factorisation> iterative_factorisation(IterativeSolver& solver,
+                                                       const MatrixRows& k) {
+  return std::make_unique<IterativeFactorisation>(solver, k);
 }
 
 } // namespace hvi::solver

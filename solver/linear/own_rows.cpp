@@ -1,6 +1,7 @@
 // See own_rows.hpp.
 #include "solver/linear/own_rows.hpp"
 
+#include "solver/linear/double_double.hpp"
 #include "solver/linear/same_pattern.hpp"
 
 #include <algorithm>
@@ -10,12 +11,25 @@
 namespace hvi::solver {
 namespace {
 
-/// Zeros where any of them has an entry.
+/// Has every row an entry on the diagonal?
+bool has_diagonal(const SparseMatrix& a) {
+  for (int i = 0; i < a.rows(); ++i) {
+    const int* const begin = a.innerIndexPtr() + a.outerIndexPtr()[i];
+    const int* const end = a.innerIndexPtr() + a.outerIndexPtr()[i + 1];
+    if (!std::binary_search(begin, end, i)) return false;
+  }
+  return true;
+}
+
+/// Entries where any of them has one, and on the diagonal.
 SparseMatrix pattern_of_all(const std::vector<SparseMatrix>& matrices) {
   SparseMatrix out = matrices.front();
   for (const SparseMatrix& one : matrices)
     if (!same_pattern(out, one)) out = SparseMatrix(out + one);
-  return out;
+  if (has_diagonal(out)) return out;
+  SparseMatrix diagonal(out.rows(), out.cols());
+  for (int i = 0; i < out.rows(); ++i) diagonal.insert(i, i) = 0.0;
+  return SparseMatrix(out + diagonal);
 }
 
 /// The values of `of` at the entries of a pattern that has all of its.
@@ -41,8 +55,7 @@ OwnRows::OwnRows(std::vector<SparseMatrix> bases, PlacedRows placed)
   column_.assign(pattern.innerIndexPtr(), pattern.innerIndexPtr() + pattern.nonZeros());
   for (int i = 0; i < rows(); ++i) {
     const auto begin = column_.begin() + start_[i], end = column_.begin() + start_[i + 1];
-    const auto at = std::lower_bound(begin, end, i);
-    own_.push_back(at != end && *at == i ? static_cast<int>(at - column_.begin()) : -1);
+    own_.push_back(static_cast<int>(std::lower_bound(begin, end, i) - column_.begin()));
   }
   for (int b = 0; b < bases_; ++b) {
     SparseMatrix& base = bases[static_cast<std::size_t>(b)];
@@ -70,12 +83,34 @@ void OwnRows::products(int a, std::span<const double> x, std::span<double> out) 
       sum[0] += value[e] * x[column[e]];
       largest[0] = std::max(largest[0], std::abs(x[column[e]]));
     }
-    const int own = own_[i];
     product[i] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
-    whole[i] = own < 0 ? 0.0
-                       : std::abs(value[own]) * std::max(std::max(largest[0], largest[1]),
-                                                         std::max(largest[2], largest[3]));
+    whole[i] = std::abs(value[own_[i]]) *
+               std::max(std::max(largest[0], largest[1]), std::max(largest[2], largest[3]));
   }
+  if (!placed_.of_unknown.empty())
+    whole_of_each(a, x, out.subspan(static_cast<std::size_t>(rows())));
+}
+
+/// Unknowns have units of their own.
+void OwnRows::whole_of_each(int a, std::span<const double> x, std::span<double> whole) const {
+  std::ranges::fill(whole, 0.0);
+  for_entries(a, [&](int i, int j, double) {
+    if (placed_.of_unknown[i] == placed_.of_unknown[j])
+      whole[i] = std::max(whole[i], std::abs(x[j]));
+  });
+  for (int i = 0; i < rows(); ++i) whole[i] *= std::abs(values(a)[own_[i]]);
+}
+
+void OwnRows::precisely(int a, std::span<const double> x, std::span<double> out) const {
+  const auto n = static_cast<std::size_t>(rows());
+  std::vector<DoubleDouble> sums(n);
+  const auto sizes = out.subspan(2 * n);
+  std::ranges::fill(sizes, 0.0);
+  for_entries(a, [&](int i, int j, double value) {
+    sums[i].add_product(value, x[j]);
+    sizes[i] += std::abs(value * x[j]);
+  });
+  for (std::size_t i = 0; i < n; ++i) out[i] = sums[i].high, out[n + i] = sums[i].low;
 }
 
 void OwnRows::magnitudes(int a, std::span<const double> x, std::span<double> out) const {
@@ -84,7 +119,33 @@ void OwnRows::magnitudes(int a, std::span<const double> x, std::span<double> out
 }
 
 void OwnRows::diagonal(int a, std::span<double> out) const {
-  for (int i = 0; i < rows(); ++i) out[i] = own_[i] < 0 ? 0.0 : values(a)[own_[i]];
+  for (int i = 0; i < rows(); ++i) out[i] = values(a)[own_[i]];
+}
+
+void OwnRows::transposed(int a, std::span<const double> x, std::span<double> out) const {
+  std::ranges::fill(out, 0.0);
+  const auto sizes = out.subspan(static_cast<std::size_t>(columns()));
+  for_entries(a, [&](int i, int j, double value) {
+    out[j] += value * x[i];
+    sizes[j] += std::abs(value * x[i]);
+  });
+}
+
+std::vector<double> OwnRows::asymmetry(int a) const {
+  std::vector<double> out(2, 0.0);
+  const auto mirrored = [&](int i, int j) {
+    const auto begin = column_.begin() + start_[j], end = column_.begin() + start_[j + 1];
+    const auto at = std::lower_bound(begin, end, i);
+    return at != end && *at == i ? values(a)[static_cast<std::size_t>(at - column_.begin())] : 0.0;
+  };
+  for_entries(a, [&](int i, int j, double value) {
+    out[1] = std::max(out[1], std::abs(value));
+    if (j < rows())
+      out[0] = std::max(out[0], std::abs(value - mirrored(i, j)));
+    else if (placed_.column[j] >= 0)
+      out.insert(out.end(), {static_cast<double>(i), static_cast<double>(j), value});
+  });
+  return out;
 }
 
 void OwnRows::combine(int a, std::span<const double> gamma) {
@@ -94,6 +155,11 @@ void OwnRows::combine(int a, std::span<const double> gamma) {
     const std::vector<double>& of = values(b);
     for (std::size_t e = 0; e < sum.size(); ++e) sum[e] += gamma[b] * of[e];
   }
+}
+
+void OwnRows::stiffen(int a, std::span<const double> more) {
+  std::vector<double>& of = values_[a];
+  for (int i = 0; i < rows(); ++i) of[own_[i]] += more[i];
 }
 
 void OwnRows::place(int a, double alone) {

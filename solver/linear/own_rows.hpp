@@ -15,6 +15,8 @@ namespace hvi::solver {
 struct PlacedRows {
   int first = 0, count = 0;         ///< rows of this process
   std::vector<std::int32_t> column; ///< PETSc's, of each column here; -1: an imposed value
+  /// Of several unknowns, of which each column is; empty: there is one.
+  std::vector<std::uint8_t> of_unknown{};
 };
 
 /// Rows of a matrix in the numbering of all; arrays of its owner.
@@ -34,14 +36,24 @@ public:
   int rows() const { return static_cast<int>(start_.size()) - 1; }
   int columns() const { return static_cast<int>(placed_.column.size()); }
 
-  /// Of each row i of matrix a  (A x)_i,  and behind them  |A_ii| max |x_j| over its columns.
+  /// Of each row i of matrix a  (A x)_i,  and behind them  |A_ii| max |x_j| over its columns of the
+  /// same unknown.
   void products(int a, std::span<const double> x, std::span<double> out) const;
+  /// (A x)_i as the sum of two numbers, one block behind the other, and behind them (|A| |x|)_i.
+  void precisely(int a, std::span<const double> x, std::span<double> out) const;
   /// (|A| |x|)_i
   void magnitudes(int a, std::span<const double> x, std::span<double> out) const;
   /// A_ii
   void diagonal(int a, std::span<double> out) const;
+  /// Of each column j what these rows add to  (A^T x)_j,  and behind them to  (|A|^T |x|)_j.
+  void transposed(int a, std::span<const double> x, std::span<double> out) const;
+  /// The largest |a_ij - a_ji| of two of these rows' unknowns, the largest |a_ij|, and  i, j, a_ij
+  /// of each entry whose mirror image another process has.
+  std::vector<double> asymmetry(int a) const;
   /// Matrix a becomes sum_b gamma_b T_b.
   void combine(int a, std::span<const double> gamma);
+  /// A_ii grows by more_i.
+  void stiffen(int a, std::span<const double> more);
   /// Matrix a as PETSc is to have it: rows that are no unknown's have `alone` on their diagonal.
   /// They are there until `leave`.
   void place(int a, double alone);
@@ -59,9 +71,10 @@ private:
     std::vector<double> value;
   };
   const std::vector<double>& values(int a) const { return values_.at(a); }
+  void whole_of_each(int a, std::span<const double> x, std::span<double> whole) const;
 
   std::vector<int> start_, column_; ///< of all matrices
-  std::vector<int> own_;            ///< by row where its diagonal is; -1: nowhere
+  std::vector<int> own_;            ///< by row where its diagonal is
   int bases_;
   std::map<int, std::vector<double>> values_; ///< by matrix, in the order of the columns
   std::map<int, Placed> placed_arrays_;

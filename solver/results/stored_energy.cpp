@@ -16,7 +16,8 @@ namespace {
 /// energies?
 bool products_are_whole(const Formulation& formulation) {
   const Operators& operators = formulation.operators();
-  return !operators.halves.empty() || (operators.dealt && !formulation.imposed());
+  return !operators.halves.empty() ||
+         (operators.dealt && operators.symmetric && !formulation.imposed());
 }
 
 } // namespace

@@ -127,10 +127,7 @@ void Balance::find_gap_and_scale(const StepMatrix& matrix, const Vector& d, cons
 
 double Balance::error_of(const StepMatrix& matrix, const Vector& d, const Vector& gap,
                          const Vector& xi) const {
-  const Reactions reactions = formulation_.contact().reactions();
-  if (matrix.dealt() == nullptr)
-    return equilibrium_error(matrix.k(), d, gap, scale_, reactions, xi);
-  return equilibrium_error(matrix.dealt()->whole_sizes(d), gap, scale_, reactions, xi);
+  return error_of_rows(matrix, d, gap, scale_, formulation_.contact().reactions(), xi);
 }
 
 void Balance::add_terms(const StepEquation& equation, double factor, Vector& out) {
@@ -217,6 +214,12 @@ void take_back_change(const Operators& operators, StepEquation& equation) {
     if (equation.change[b] != 0.0)
       add_product_of_base(operators, b, equation.change[b], equation.expected, equation.rhs);
   equation.change.setZero();
+}
+
+double error_of_rows(const StepMatrix& matrix, const Vector& d, const Vector& gap,
+                     const Vector& scale, const Reactions& reactions, const Vector& xi) {
+  if (matrix.dealt() == nullptr) return equilibrium_error(matrix.k(), d, gap, scale, reactions, xi);
+  return equilibrium_error(matrix.dealt()->whole_sizes(d), gap, scale, reactions, xi);
 }
 
 double bytes_of(const Operators& operators, std::span<const SymmetricBlocks> halves) {

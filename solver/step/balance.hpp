@@ -111,6 +111,9 @@ private:
 
 /// K_n is the factored matrix from now on: what was moved goes back.
 void take_back_change(const Operators& operators, StepEquation& equation);
+/// equilibrium_error (certificate.hpp), whoever has the rows of K.
+double error_of_rows(const StepMatrix& matrix, const Vector& d, const Vector& gap,
+                     const Vector& scale, const Reactions& reactions, const Vector& xi);
 /// Of base matrices and of their halves.
 double bytes_of(const Operators& operators, std::span<const SymmetricBlocks> halves);
 

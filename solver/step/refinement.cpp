@@ -59,18 +59,24 @@ double PreciseEquation::gap(const StepMatrix& matrix, const Vector& d, const Vec
   for (int b = 0; b < operators.n_bases(); ++b) {
     state = -known_[static_cast<std::size_t>(b)];
     state.head(d.size()) += gamma[b] * d;
-    subtract_product(base_by_rows(operators, b, room), state, sums, scale);
+    if (operators.dealt)
+      operators.dealt->subtract_product(b, state, sums, scale);
+    else
+      subtract_product(base_by_rows(operators, b, room), state, sums, scale);
     ++balance_.products;
   }
   for (Eigen::Index i = 0; i < d.size(); ++i) gap[i] = sums[static_cast<std::size_t>(i)].value();
-  return equilibrium_error(matrix.k(), d, gap, scale, formulation_.contact().reactions(), xi);
+  return error_of_rows(matrix, d, gap, scale, formulation_.contact().reactions(), xi);
 }
 
 bool Refinement::begins_with(const StepMatrix& matrix) {
   if (on_) return false;
   // The factor of a free body is that of a matrix made almost singular, whose errors laws stop.
-  on_ = matrix.factorisation() && matrix.free_body() == nullptr &&
-        rounding_growth(matrix.k(), *matrix.factorisation()) > growth_to_refine;
+  if (!matrix.factorisation() || matrix.free_body() != nullptr) return false;
+  Factorisation& factor = *matrix.factorisation();
+  const double growth = matrix.dealt() != nullptr ? rounding_growth(*matrix.dealt(), factor)
+                                                  : rounding_growth(matrix.k(), factor);
+  on_ = growth > growth_to_refine;
   return on_;
 }
 
@@ -107,7 +113,10 @@ void Refinement::refine(const StepMatrix& matrix, const StepEquation& equation,
   contact_part(formulation_.contact(), trial.d, laws.c);
   step_laws.prepare(n, equation.known);
   out.equilibrium = precise.gap(matrix, trial.d, laws.xi, trial.gap);
-  trial.kd.noalias() = matrix.k() * trial.d;
+  if (matrix.dealt() != nullptr)
+    matrix.dealt()->apply(trial.d, trial.kd);
+  else
+    trial.kd.noalias() = matrix.k() * trial.d;
   if (at_rest) return;
   last_correction_ = std::max(last_correction_, last);
   if (!(last <= largest_last) && matrix.free_body() == nullptr)

@@ -238,7 +238,10 @@ Vector forces_at_start(const Formulation& formulation, const Evolution& evolutio
     const auto weight = operators.weights.col(b);
     const Vector state = weight[field_of_u(0)] * evolution.u() + weight[field_of_u(1)] * velocity +
                          weight[field_of_u(2)] * imposed;
-    subtract_product(base_by_rows(operators, b, room), state, out);
+    if (operators.dealt)
+      add_product_of_base(operators, b, -1.0, state, out);
+    else
+      subtract_product(base_by_rows(operators, b, room), state, out);
   }
   return out;
 }

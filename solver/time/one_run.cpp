@@ -211,10 +211,13 @@ void OneRun::estimate_forward_error() {
 
 namespace {
 
-/// sum_j |K_ij u_j|: the forces in a row before they cancel.
-double forces_in_row(const SparseMatrix& k, int row, const Vector& u) {
-  double out = 0.0;
-  for (SparseMatrix::InnerIterator it(k, row); it; ++it) out += std::abs(it.value() * u[it.col()]);
+/// sum_j |K_ij u_j|: the forces in each row before they cancel.
+Vector forces_in_rows(const StepMatrix& k, const Vector& u) {
+  Vector out;
+  if (k.dealt() != nullptr)
+    k.dealt()->apply_magnitude(u.head(k.dealt()->size()), out);
+  else
+    HeldRows(k.k(), {}).apply_magnitude(u.head(k.k().cols()), out);
   return out;
 }
 
@@ -222,19 +225,13 @@ double forces_in_row(const SparseMatrix& k, int row, const Vector& u) {
 
 double OneRun::nothing_of_multipliers(const StepMatrix* matrix) const {
   const SparseMatrix& force = state_.contact().force;
-  const Vector& u = state_.evolution.u();
   double out = 0.0;
   if (matrix == nullptr) return out;
-  const DealtMatrix* const dealt = matrix->dealt();
-  Vector all;
-  if (dealt != nullptr) dealt->apply_magnitude(u.head(dealt->size()), all);
-  const auto rows = dealt != nullptr ? all.size() : matrix->k().rows();
-  for (int i = 0; i < std::min(force.rows(), rows); ++i) {
+  const Vector forces = forces_in_rows(*matrix, state_.evolution.u());
+  for (int i = 0; i < std::min(force.rows(), forces.size()); ++i) {
     double weight = 0.0;
     for (SparseMatrix::InnerIterator it(force, i); it; ++it) weight += std::abs(it.value());
-    if (!(weight > 0.0)) continue;
-    const double forces = dealt != nullptr ? all[i] : forces_in_row(matrix->k(), i, u);
-    out = std::max(out, negligible_share * forces / weight);
+    if (weight > 0.0) out = std::max(out, negligible_share * forces[i] / weight);
   }
   return out;
 }
@@ -243,11 +240,12 @@ ByUnknown OneRun::nothing_of_each(const StepMatrix* matrix) const {
   ByUnknown out{};
   const auto& of_unknown = state_.contact().of_unknown;
   if (matrix == nullptr || of_unknown.empty()) return out;
-  const Vector& u = state_.evolution.u();
-  for (int i = 0; i < matrix->k().rows(); ++i) {
-    const double own = std::abs(matrix->k().coeff(i, i));
+  const Vector forces = forces_in_rows(*matrix, state_.evolution.u());
+  const Vector own =
+      matrix->dealt() != nullptr ? matrix->dealt()->diagonal() : Vector(matrix->k().diagonal());
+  for (Eigen::Index i = 0; i < own.size(); ++i) {
     double& most = out[of_unknown[static_cast<std::size_t>(i)]];
-    if (own > 0.0) most = std::max(most, negligible_share * forces_in_row(matrix->k(), i, u) / own);
+    if (own[i] != 0.0) most = std::max(most, negligible_share * forces[i] / std::abs(own[i]));
   }
   return out;
 }

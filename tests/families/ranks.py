@@ -131,6 +131,19 @@ def foretold(program, path, judge):
     judge(0 < answer["contact_unknowns"] < answer["unknowns"], f"{answer['contact_unknowns']} of {answer['unknowns']} unknowns are in laws")
 
 
+def chosen(program, folder, judge):
+    """Iterations that `automatic` takes are those of all processes, and one process has the same matrices."""
+    path = folder / "warm.hvi"
+    bench = pathlib.Path(__file__).resolve().parents[2] / "bench/warm3d_friction.hvi"
+    path.write_text(bench.read_text().replace("param n = 4", "param n = 18").replace("param N = 4", "param N = 1"))
+    answers = [iterative.run(program, path, folder, "automatic", processes=n)[1] for n in (1, 2)]
+    plans = [answer["plan"] for answer in answers]
+    judge([plan["solver"] for plan in plans] == ["iterative"] * 2 and plans[1]["assembled_by"] == 2 and plans[0]["matrices"] == plans[1]["matrices"],
+          f"`automatic` takes iterations, {plans[1].get('assembled_by')} processes assemble {plans[1]['matrices']} matrices")
+    difference, column = iterative.apart(*answers)
+    judge(difference <= iterative.AGREE, f"`automatic` with two processes: {column} apart by {difference:.1e}")
+
+
 def larger(program, folder, options):
     """Bodies of 4,000 to 8,000 unknowns: the same bits, iterations, what is sent, and what another process is told to hold."""
     wrong = []
@@ -164,6 +177,8 @@ def larger(program, folder, options):
             held = answers[0]["plan"]["bytes_of_others"]  # its part, and PETSc
             judge(2e7 < held < 2e8, f"{of}: another process holds {held / 1e6:.0f} MB")
     foretold(program, path, judge)
+    if 2 in options.ranks:
+        chosen(program, folder, judge)
     return bool(wrong)
 
 

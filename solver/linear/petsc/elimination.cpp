@@ -10,37 +10,48 @@
 namespace hvi::petsc_module {
 namespace {
 
-/// What decides about the order: of each unknown the components, how much its form has of a mass,
-/// what constants give by the diagonal (0 for derivatives), and which others its rows read.
+/// What decides about the order: of each unknown the components (of the first process), how much
+/// its form has of a mass, what constants give by the diagonal (0 for derivatives), and which
+/// others its rows read.
 struct Traits {
   std::vector<int> components;
   std::vector<double> mass;
   std::vector<std::vector<char>> reads;
 };
 
-/// `unknown`: of each row, -1: none.
-Traits traits_of(const WholeMatrix& k, const std::vector<int>& unknown, int rows_of_node,
-                 const std::vector<int>& first) {
+/// Sums of this process's rows become those of all.
+void add_up(const Distribution& distribution, Traits& traits, std::vector<double>& diagonals) {
+  const int count = static_cast<int>(diagonals.size());
+  distribution.add_up(traits.mass.data(), count);
+  distribution.add_up(diagonals.data(), count);
+  for (auto& row : traits.reads)
+    for (char& reads : row) reads = distribution.any(reads != 0) ? 1 : 0;
+}
+
+/// `unknown`: of each row of this process, -1: none. `rows_of_node`: of all processes.
+Traits traits_of(const Distribution& distribution, Mat k, const std::vector<int>& unknown,
+                 int rows_of_node, int unknowns) {
   Traits out;
-  const std::size_t count = first.size() - 1;
-  for (std::size_t u = 0; u < count; ++u) out.components.push_back(first[u + 1] - first[u]);
+  const auto count = static_cast<std::size_t>(unknowns);
   out.mass.assign(count, 0.0);
   out.reads.assign(count, std::vector<char>(count, 0));
   std::vector<double> diagonals(out.mass);
-  WholeMatrix::Room room;
-  for (int i = 0; i < k.rows(); ++i) {
-    const int u = unknown[i];
+  NumbersOfColumns of(distribution, k);
+  of.set({unknown.begin(), unknown.end()});
+  for (int i = 0; i < distribution.rows(); ++i) {
+    const int u = unknown[i], at = distribution.first_row() + i;
     if (u < 0) continue;
-    const WholeMatrix::Row row = k.row(i, room);
+    const RowOf row(k, at);
     double sum = 0.0;
-    for (int e = 0; e < row.size; ++e) {
-      const int j = row.column[e], other = unknown[j];
-      if (other == u && j % rows_of_node == i % rows_of_node) sum += row.value[e];
-      if (other >= 0 && other != u && row.value[e] != 0.0) out.reads[u][other] = 1;
+    for (int e = 0; e < row.size(); ++e) {
+      const int j = row.column(e), other = static_cast<int>(of[j]);
+      if (other == u && j % rows_of_node == at % rows_of_node) sum += row.value(e);
+      if (other >= 0 && other != u && row.value(e) != 0.0) out.reads[u][other] = 1;
     }
     out.mass[u] += std::abs(sum);
-    diagonals[u] += std::abs(k.entry(i, i));
+    diagonals[u] += std::abs(row.entry(at));
   }
+  add_up(distribution, out, diagonals);
   for (std::size_t u = 0; u < count; ++u)
     out.mass[u] =
         diagonals[u] > 0.0 ? out.mass[u] / diagonals[u] : std::numeric_limits<double>::infinity();
@@ -97,37 +108,50 @@ std::vector<int> unknown_of_rows(const Numbering& numbering, const std::vector<i
 
 } // namespace
 
-UnknownRows order_of_unknowns(const WholeMatrix& k, const Numbering& numbering,
+UnknownRows order_of_unknowns(const Distribution& distribution, Mat k, const Numbering& numbering,
                               const std::vector<int>& first) {
   UnknownRows out;
-  const int rows_of_node = numbering.components();
-  out.turn = unknown_of_rows(numbering, first);
-  const std::vector<int> order = order_by(traits_of(k, out.turn, rows_of_node, first));
-  std::vector<int> turn(order.size());
-  for (std::size_t t = 0; t < order.size(); ++t) {
-    turn[order[t]] = static_cast<int>(t);
-    out.components.push_back(first[order[t] + 1] - first[order[t]]);
+  const int rows_of_node = distribution.of_first(numbering.components());
+  out.count = distribution.of_first(static_cast<int>(first.size()) - 1);
+  if (distribution.is_first()) out.turn_of_whole = unknown_of_rows(numbering, first);
+  out.turn = distribution.deal(out.turn_of_whole);
+  Traits traits = traits_of(distribution, k, out.turn, rows_of_node, out.count);
+  for (std::size_t u = 0; u + 1 < first.size(); ++u)
+    traits.components.push_back(first[u + 1] - first[u]);
+  std::vector<int> turn(static_cast<std::size_t>(out.count));
+  if (distribution.is_first()) {
+    const std::vector<int> order = order_by(traits);
+    for (std::size_t t = 0; t < order.size(); ++t) {
+      turn[order[t]] = static_cast<int>(t);
+      out.components.push_back(traits.components[order[t]]);
+    }
   }
-  for (int& t : out.turn)
-    if (t >= 0) t = turn[t];
+  for (int& t : turn) t = distribution.of_first(t);
+  for (auto* const rows : {&out.turn, &out.turn_of_whole})
+    for (int& t : *rows)
+      if (t >= 0) t = turn[t];
   return out;
 }
 
-std::vector<double> eliminate(const WholeMatrix& k, const UnknownRows& unknowns) {
+std::vector<double> eliminate(const Distribution& distribution, Mat k,
+                              const UnknownRows& unknowns) {
   const std::vector<int>& turn = unknowns.turn;
-  std::vector<double> out(static_cast<std::size_t>(k.rows()), 0.0);
-  WholeMatrix::Room room;
-  for (int t = 0; t < static_cast<int>(unknowns.components.size()); ++t)
-    for (int i = 0; i < k.rows(); ++i) {
+  std::vector<double> out(turn.size(), 0.0);
+  const MirrorImages mirrored(distribution, k);
+  NumbersOfColumns turns(distribution, k), left(distribution, k);
+  turns.set({turn.begin(), turn.end()});
+  for (int t = 0; t < unknowns.count; ++t) {
+    left.set(out);
+    const auto before = [&](int j) { return turns[j] >= 0.0 && turns[j] < t && left[j] != 0.0; };
+    for (int i = 0; i < distribution.rows(); ++i) {
       if (turn[i] != t) continue;
-      const WholeMatrix::Row row = k.row(i, room);
-      out[i] = k.entry(i, i);
-      for (int e = 0; e < row.size; ++e) {
-        const int j = row.column[e];
-        if (turn[j] < 0 || turn[j] >= t || out[j] == 0.0) continue;
-        out[i] -= row.value[e] * k.entry(j, i) / out[j];
-      }
+      const int row = distribution.first_row() + i;
+      out[i] = RowOf(k, row).entry(row);
+      mirrored.for_row(row, before, [&](int j, double value, double mirror) {
+        out[i] -= value * mirror / left[j];
+      });
     }
+  }
   return out;
 }
 

@@ -11,23 +11,27 @@
 // unknowns before b, D_a the diagonal of S_a. Of a pore pressure it is the fixed-stress split.
 #pragma once
 
-#include "solver/linear/petsc/numbering.hpp"
+#include "solver/linear/petsc/matrix_part.hpp"
 
 #include <vector>
 
 namespace hvi::petsc_module {
 
-/// Which rows of the whole are of which unknown.
+/// Which rows are of which unknown.
 struct UnknownRows {
-  std::vector<int> turn;       ///< of each row the unknown's place in the order; -1: of none
-  std::vector<int> components; ///< of each unknown, in the order
+  /// Of each row the unknown's place in the order; -1: of none. Of this process's rows, and of the
+  /// whole, of the first process.
+  std::vector<int> turn, turn_of_whole;
+  std::vector<int> components; ///< of each unknown, in the order; of the first process
+  int count = 0;               ///< of unknowns
 };
 
-/// `first_component`: of each unknown as they are given, and the number of all components.
-UnknownRows order_of_unknowns(const WholeMatrix& k, const Numbering& numbering,
+/// `first_component`: of each unknown as they are given, and the number of all components, of the
+/// first process.
+UnknownRows order_of_unknowns(const Distribution& distribution, Mat k, const Numbering& numbering,
                               const std::vector<int>& first_component);
 
-/// By row, the diagonals of all S_b.
-std::vector<double> eliminate(const WholeMatrix& k, const UnknownRows& unknowns);
+/// By row of this process, the diagonals of all S_b.
+std::vector<double> eliminate(const Distribution& distribution, Mat k, const UnknownRows& unknowns);
 
 } // namespace hvi::petsc_module

@@ -80,8 +80,8 @@ void Krylov::make_preconditioner(const HviPetscUnknowns& unknowns) {
   }
   std::vector<int> first(unknowns.first_component, unknowns.first_component + unknowns.unknowns);
   first.push_back(unknowns.components);
-  auto several = std::make_unique<SeveralCycles>(distribution_, numbering_, first, k_, shell_.get(),
-                                                 motions, n_motions);
+  auto several = std::make_unique<SeveralCycles>(distribution_, numbering_, first, matrix_.get(),
+                                                 shell_.get(), motions, n_motions);
   several_ = several.get();
   preconditioner_ = std::move(several);
   make_shell(&Krylov::apply_weighted, weighted_);

@@ -18,11 +18,11 @@ constexpr double least_part = 1e-4;
 /// One of them.
 struct SeveralCycles::Unknown {
   std::vector<int> rows;     ///< of the whole, of the first process
-  std::vector<int> position; ///< of each row of the whole; -1: another's
-  std::vector<char> solved;  ///< is each of `rows` solved for?
+  std::vector<int> position; ///< of each row of the whole, of the first process; -1: another's
   std::vector<int> mine;     ///< this process's rows, by their places among its rows of the whole
-  Rows k, h;
-  std::optional<WholeMatrix> whole_k; ///< of `k`
+  std::vector<char> solved;  ///< is each of `mine` solved for?
+  Rows k, h;                 ///< this process's rows; whole, of the first process
+  std::optional<WholeMatrix> whole_k;
   FewRows h_rows;
   /// Of this process's rows: the sizes of the diagonals of S_b, and of that and H.
   std::vector<double> diagonal, stiffness;
@@ -31,13 +31,18 @@ struct SeveralCycles::Unknown {
   Owned<Vec> r, z;
   std::unique_ptr<Cycle> cycle;
 
-  void find(const std::vector<int>& turn, int own, const Numbering& numbering) {
-    position.assign(turn.size(), -1);
-    for (std::size_t row = 0; row < turn.size(); ++row)
-      if (turn[row] == own) {
+  /// `is_solved`: of each of this process's rows of the whole.
+  void find(const UnknownRows& all, int own, const std::vector<int>& is_solved) {
+    position.assign(all.turn_of_whole.size(), -1);
+    for (std::size_t row = 0; row < all.turn_of_whole.size(); ++row)
+      if (all.turn_of_whole[row] == own) {
         position[row] = static_cast<int>(rows.size());
         rows.push_back(static_cast<int>(row));
-        solved.push_back(numbering.is_unknown(static_cast<int>(row)) ? 1 : 0);
+      }
+    for (std::size_t row = 0; row < all.turn.size(); ++row)
+      if (all.turn[row] == own) {
+        mine.push_back(static_cast<int>(row));
+        solved.push_back(static_cast<char>(is_solved[row]));
       }
   }
 
@@ -45,8 +50,6 @@ struct SeveralCycles::Unknown {
     std::vector<int> counts(static_cast<std::size_t>(processes()), 0);
     for (const int row : rows) ++counts[whole.process_of(row)];
     distribution = std::make_unique<Distribution>(whole.comm(), counts, components);
-    mine = distribution->deal(rows);
-    for (int& row : mine) row -= whole.first_row();
   }
 
   Rows block_of(const Rows& a) const {
@@ -62,45 +65,55 @@ struct SeveralCycles::Unknown {
     return out;
   }
 
-  /// With this diagonal of the whole in place of its own. Rows that are not solved for have a
-  /// typical one.
-  Rows block_of(const WholeMatrix& a, const std::vector<double>& of_whole) const {
-    double sum = 0.0, count = 0.0;
-    for (std::size_t p = 0; p < rows.size(); ++p)
-      if (solved[p] != 0) sum += std::abs(of_whole[rows[p]]), ++count;
-    const double typical = sum > 0.0 ? sum / count : 1.0;
+  double typical(const std::vector<double>& of_whole) const {
+    double sums[2] = {};
+    for (std::size_t p = 0; p < mine.size(); ++p)
+      if (solved[p] != 0) sums[0] += std::abs(of_whole[mine[p]]), ++sums[1];
+    distribution->add_up(sums, 2);
+    return sums[0] > 0.0 ? sums[0] / sums[1] : 1.0;
+  }
+
+  /// This process's rows of it, with this diagonal of the whole in place of its own. Rows that are
+  /// not solved for have a typical one.
+  Rows block_of(const Distribution& whole, Mat a, const std::vector<double>& of_whole) const {
+    const double otherwise = typical(of_whole);
+    std::vector<double> own_position(of_whole.size(), -1.0);
+    for (std::size_t p = 0; p < mine.size(); ++p)
+      own_position[mine[p]] = distribution->first_row() + static_cast<int>(p);
+    NumbersOfColumns position_of(whole, a);
+    position_of.set(own_position);
     Rows out;
-    WholeMatrix::Room room;
-    for (std::size_t p = 0; p < rows.size(); ++p) {
-      const int row = rows[p];
-      const WholeMatrix::Row entries = a.row(row, room);
-      const double own = solved[p] != 0 && of_whole[row] != 0.0 ? of_whole[row] : typical;
-      bool to_come = true;
-      const auto put = [&](int column, double value) {
-        out.column.push_back(column);
+    for (std::size_t p = 0; p < mine.size(); ++p) {
+      const int at = mine[p], row = whole.first_row() + at;
+      const RowOf entries(a, row);
+      const auto put = [&](double column, double value) {
+        out.column.push_back(static_cast<int>(column));
         out.value.push_back(value);
       };
-      for (int e = 0; e < entries.size; ++e) {
-        const int j = entries.column[e], column = position[j];
-        if (to_come && j >= row) put(static_cast<int>(p), own), to_come = false;
-        if (column >= 0 && j != row) put(column, entries.value[e]);
+      const double own = solved[p] != 0 && of_whole[at] != 0.0 ? of_whole[at] : otherwise;
+      bool to_come = true;
+      for (int e = 0; e < entries.size(); ++e) {
+        const int j = entries.column(e);
+        if (to_come && j >= row) put(own_position[at], own), to_come = false;
+        if (const double column = position_of[j]; column >= 0.0 && j != row)
+          put(column, entries.value(e));
       }
-      if (to_come) put(static_cast<int>(p), own);
+      if (to_come) put(own_position[at], own);
       out.start.push_back(static_cast<int>(out.column.size()));
     }
     return out;
   }
 
-  std::vector<double> deal_diagonal(const Rows& of) const {
-    std::vector<double> out(static_cast<std::size_t>(of.size()), 0.0);
-    for (int i = 0; i < of.size(); ++i) out[i] = std::abs(entry(of.view(), i, i));
+  std::vector<double> diagonal_of_laws() const {
+    std::vector<double> out(static_cast<std::size_t>(h.size()), 0.0);
+    for (int i = 0; i < h.size(); ++i) out[i] = std::abs(entry(h.view(), i, i));
     return distribution->deal(std::move(out), 1);
   }
 
   void set_laws(const Rows& whole) {
     h = block_of(whole);
     h_rows.set(*distribution, r.get(), h.view());
-    const std::vector<double> more = deal_diagonal(h);
+    const std::vector<double> more = diagonal_of_laws();
     for (std::size_t i = 0; i < more.size(); ++i) stiffness[i] = diagonal[i] + more[i];
   }
 
@@ -112,19 +125,35 @@ struct SeveralCycles::Unknown {
     return out;
   }
 
-  void set_matrix(const WholeMatrix& whole, const std::vector<double>& of_whole) {
-    Rows now = block_of(whole, of_whole), dealt;
-    stiffness = diagonal = deal_diagonal(now);
+  void set_matrix(const Distribution& all, Mat whole, const std::vector<double>& of_whole) {
+    Rows now = block_of(all, whole, of_whole);
+    diagonal.clear();
+    for (int i = 0; i < now.size(); ++i)
+      diagonal.push_back(std::abs(entry(now.view(), i, distribution->first_row() + i)));
+    stiffness = diagonal;
     if (!matrix) {
       k = std::move(now);
-      whole_k.emplace(k.view());
-      distribution->make(distribution->deal(k.view(), dealt), matrix);
+      distribution->make(k.view(), matrix);
+      know_whole();
       check(MatCreateVecs(matrix.get(), r.put(), z.put()));
       return;
     }
-    std::copy(now.value.begin(), now.value.end(), k.value.begin());
-    distribution->refresh(distribution->deal(k.view(), dealt), matrix.get());
+    if (distribution->alone()) std::copy(now.value.begin(), now.value.end(), k.value.begin());
+    distribution->refresh(distribution->alone() ? k.view() : now.view(), matrix.get());
+    whole_k->changed();
     cycle->matrix_changed();
+  }
+
+  /// PETSc has copied the rows where there are several processes.
+  void know_whole() {
+    if (distribution->alone()) {
+      whole_k.emplace(k.view());
+      return;
+    }
+    k = {};
+    whole_k.emplace(
+        distribution->is_first() ? distribution->all_rows() : 0,
+        [this](const std::vector<int>& named) { return distribution->fetch(named, matrix.get()); });
   }
 
   /// Its rows of the motions that move it.
@@ -164,18 +193,21 @@ struct SeveralCycles::Unknown {
 };
 
 SeveralCycles::SeveralCycles(const Distribution& distribution, const Numbering& numbering,
-                             const std::vector<int>& first_component, const WholeMatrix& k,
-                             Mat product, const std::vector<double>& motions, int n_motions)
-    : distribution_(distribution), k_(k), product_(product) {
+                             const std::vector<int>& first_component, Mat k, Mat product,
+                             const std::vector<double>& motions, int n_motions)
+    : distribution_(distribution), k_(k), product_(product),
+      rows_(order_of_unknowns(distribution, k, numbering, first_component)) {
   check(MatCreateVecs(product, moved_.put(), rest_.put()));
-  if (distribution.is_first()) rows_ = order_of_unknowns(k, numbering, first_component);
-  const std::vector<double> diagonal = eliminate(k_, rows_);
-  const int count = distribution.of_first(static_cast<int>(first_component.size()) - 1);
-  for (int u = 0; u < count; ++u) {
+  std::vector<int> solved; // of the whole, of the first process
+  for (int row = 0; distribution.is_first() && row < numbering.size(); ++row)
+    solved.push_back(numbering.is_unknown(row) ? 1 : 0);
+  const std::vector<int> mine = distribution.deal(solved);
+  const std::vector<double> diagonal = eliminate(distribution, k, rows_);
+  for (int u = 0; u < rows_.count; ++u) {
     Unknown& one = *unknowns_.emplace_back(std::make_unique<Unknown>());
-    one.find(rows_.turn, u, numbering);
+    one.find(rows_, u, mine);
     one.distribute(distribution, distribution.is_first() ? rows_.components[u] : 0);
-    one.set_matrix(k_, diagonal);
+    one.set_matrix(distribution, k, diagonal);
     one.make_cycle(motions, n_motions, distribution.rows());
   }
 }
@@ -183,8 +215,8 @@ SeveralCycles::SeveralCycles(const Distribution& distribution, const Numbering& 
 SeveralCycles::~SeveralCycles() = default;
 
 void SeveralCycles::matrix_changed() {
-  const std::vector<double> diagonal = eliminate(k_, rows_);
-  for (const auto& one : unknowns_) one->set_matrix(k_, diagonal);
+  const std::vector<double> diagonal = eliminate(distribution_, k_, rows_);
+  for (const auto& one : unknowns_) one->set_matrix(distribution_, k_, diagonal);
 }
 
 bool SeveralCycles::set_laws(const Rows& h, const FewRows&, bool symmetric, double shift) {

@@ -18,11 +18,11 @@ namespace hvi::petsc_module {
 
 class SeveralCycles final : public Preconditioner {
 public:
-  /// `first_component`: of each unknown, and the number of all; of the first process. `product`: A,
-  /// whose products are asked for. `motions` as for Cycle. All but these and the numbering are kept
-  /// by reference.
+  /// `first_component`: of each unknown, and the number of all; of the first process. `k`: this
+  /// process's rows of K. `product`: A, whose products are asked for. `motions` as for Cycle. All
+  /// but these and the numbering are kept by reference.
   SeveralCycles(const Distribution& distribution, const Numbering& numbering,
-                const std::vector<int>& first_component, const WholeMatrix& k, Mat product,
+                const std::vector<int>& first_component, Mat k, Mat product,
                 const std::vector<double>& motions, int n_motions);
   ~SeveralCycles() override;
   void matrix_changed() override;
@@ -40,10 +40,9 @@ public:
 private:
   struct Unknown;
   const Distribution& distribution_;
-  const WholeMatrix& k_;
-  Mat product_;
+  Mat k_, product_;
   std::vector<std::unique_ptr<Unknown>> unknowns_; ///< as they are eliminated
-  UnknownRows rows_;                               ///< whole
+  UnknownRows rows_;
   Owned<Vec> moved_, rest_;
 };
 

@@ -4,9 +4,11 @@
 #include "solver/discrete/operators.hpp"
 #include "solver/discrete/own_matrices.hpp"
 #include "solver/discrete/rounding.hpp"
+#include "solver/linear/double_double.hpp"
 #include "solver/linear/matrix_rows.hpp"
 #include "tests/solver/time/plans.hpp"
 
+#include <map>
 #include <numeric>
 #include <sstream>
 
@@ -23,7 +25,7 @@ public:
     layout = make_layout(d.space, d.dofs);
     const auto distinct = distinct_terms(plan.problem, count_fields(plan.problem),
                                          [](const FormTerm&) { return true; });
-    DistinctForms forms{{}, distinct.weights};
+    DistinctForms forms{{}, distinct.weights, couplings_of(plan.problem)};
     for (const FormTerm* term : distinct.terms) forms.terms.push_back(*term);
     const auto part = parts_of_nodes(d.space, layout, processes);
     std::vector<int> first(static_cast<std::size_t>(processes) + 1, 0); // rows as unknowns are
@@ -63,6 +65,22 @@ public:
   void ask_all(MatrixErrand errand, const std::vector<double>& numbers) {
     errand.set = 1;
     for (auto& other : others_) other.answer(message_of(errand, numbers));
+  }
+  /// What one process answers.
+  std::vector<double> numbers_of(int p, MatrixErrand errand, std::span<const double> numbers = {}) {
+    errand.set = 1;
+    const std::string answer = others_[p].answer(message_of(errand, numbers));
+    const auto said = numbers_in(answer);
+    return {said.begin(), said.end()};
+  }
+  int entry(int p, double here) const { return of_[p].state[static_cast<std::size_t>(here)]; }
+  /// y += what the rows of process p add to A^T x.
+  void add_transposed(int p, int matrix, const Vector& x, Vector& y) {
+    std::vector<double> own;
+    for (int i = 0; i < of_[p].unknowns; ++i) own.push_back(x[of_[p].state[i]]);
+    const auto said = numbers_of(p, {0, MatrixErrand::transposed, matrix}, own);
+    for (std::size_t j = 0; j < of_[p].state.size(); ++j)
+      if (of_[p].state[j] < y.size()) y[of_[p].state[j]] += said[j];
   }
   RowArrays placed(int p, int matrix) const { return others_[p].placed(1, matrix); }
   /// The matrix of a field, column by column.
@@ -250,28 +268,105 @@ TEST(OwnMatrices, FailuresComeBack) {
   }
 }
 
-TEST(OwnMatrices, OnlyWhatIsKnownToBeSymmetricIsDealtOut) {
+TEST(OwnMatrices, MassThatIsTakenOffTheContactIsNotDealtOut) {
   const auto may = [](const Plan& plan) {
     Discretisation d;
     for (const auto& mistake : discretise(plan, d)) throw mistake;
-    return may_be_dealt(plan.problem, d, make_layout(d.space, d.dofs));
+    return may_be_dealt(plan.problem, d);
   };
-  EXPECT_TRUE(may(slab(2, 2)));
-  EXPECT_TRUE(may(uneven_slab(2, 2)));
   Plan plan = slab(2, 2);
-  plan.problem.forms[1].entries.push_back({slot::value(0), slot::value(1), Expr(1.0)});
-  EXPECT_FALSE(may(plan));
-  plan = slab(2, 2);
-  plan.problem.space.dirichlet = {clamp(roof, 1)}; // it slides along
-  EXPECT_FALSE(may(plan));
-  plan = slab(2, 2);
-  plan.problem.law_terms.clear();
-  plan.report = {};
-  EXPECT_FALSE(may(plan));
-  plan = slab(2, 2);
   plan.problem.forms.push_back(springs(body, 1.0));
   plan.problem.forms.back().field = field_of_u(2);
+  EXPECT_TRUE(may(plan));
+  plan.problem.time.scheme = Scheme::midpoint;
   EXPECT_FALSE(may(plan));
+}
+
+// Which entry has its mirror image where is asked of all processes together.
+TEST(OwnMatrices, EntriesWithoutMirrorImagesAreFound) {
+  Plan plan = slab(3, 2);
+  for (const double more : {0.0, 1e-6}) {
+    plan.problem.forms[1].entries.push_back({slot::value(0), slot::value(1), Expr(more)});
+    for (const int processes : {1, 3}) {
+      Dealt dealt(plan, processes);
+      double apart = 0.0;
+      std::map<std::pair<int, int>, double> alone;
+      for (int p = 0; p < processes; ++p) {
+        const auto found = dealt.numbers_of(p, {0, MatrixErrand::asymmetry, 1});
+        apart = std::max(apart, found[0] / found[1]);
+        for (std::size_t k = 2; k < found.size(); k += 3) {
+          const int i = dealt.entry(p, found[k]), j = dealt.entry(p, found[k + 1]);
+          const auto [at, fresh] =
+              alone.try_emplace({std::min(i, j), std::max(i, j)}, found[k + 2]);
+          if (!fresh) apart = std::max(apart, std::abs(found[k + 2] - at->second) / found[1]);
+        }
+      }
+      EXPECT_EQ(alone.empty(), processes == 1);
+      EXPECT_EQ(apart > asymmetry_of_rounding, more > 0.0) << processes << ' ' << apart;
+    }
+  }
+}
+
+TEST(OwnMatrices, ProductsOfTheTransposeAndPreciseOnesAreThoseOfTheWhole) {
+  Plan plan = slab(3, 2);
+  plan.problem.forms[1].entries.push_back({slot::value(0), slot::value(1), Expr(50.0)});
+  Dealt dealt(plan, 3);
+  const SparseMatrix a = assemble_operators(plan.problem, dealt.d, dealt.layout, 1).bases[1];
+  Vector x(dealt.layout.n_unknowns);
+  for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = std::sin(3.0 * static_cast<double>(i));
+  Vector back = Vector::Zero(x.size());
+  for (int p = 0; p < 3; ++p) dealt.add_transposed(p, 1, x, back);
+  const Vector expected = a.transpose() * x;
+  EXPECT_LE((back - expected).norm(), 1e-14 * expected.norm());
+  const auto precise = dealt.ask({0, MatrixErrand::precisely, 1}, {x});
+  std::vector<DoubleDouble> sums(static_cast<std::size_t>(x.size()));
+  Vector sizes = Vector::Zero(x.size());
+  subtract_product(a, x, sums, sizes);
+  for (int i = 0; i < x.size(); ++i) { // whatever the order of the sums
+    EXPECT_NEAR(precise[0][i] + sums[i].high + (precise[1][i] + sums[i].low), 0.0,
+                1e-29 * sizes[i]);
+    EXPECT_NEAR(precise[2][i], sizes[i], 1e-14 * sizes[i]);
+  }
+}
+
+void expect_rows_of_the_whole(const Plan& plan, bool coupled) {
+  for (const int processes : {1, 2, 4}) {
+    Dealt dealt(plan, processes);
+    for (const int field : {field_of_u(0), field_of_u(1)}) {
+      const DenseMatrix all = DenseMatrix(whole(plan, dealt, field));
+      EXPECT_LE((dealt.matrix(field) - all).lpNorm<Eigen::Infinity>(),
+                1e-14 * all.lpNorm<Eigen::Infinity>())
+          << processes << " processes, field " << field;
+    }
+    EXPECT_EQ(dealt.d.space.is_product(), coupled);
+  }
+}
+
+// A node has the rows of those that repeat it, whose cells are at the other end of the body.
+TEST(OwnMatrices, PeriodicPartsAreDealtOut) {
+  Plan plan = uneven_slab(2, 2);
+  plan.problem.parts.push_back(group("left", "left"));
+  plan.problem.space.periodic = {{{}, flank, static_cast<int>(plan.problem.parts.size()) - 1}};
+  expect_rows_of_the_whole(plan, false);
+}
+
+// A temperature in P1 beside a displacement in P2, in one of two pieces, which expands it.
+TEST(OwnMatrices, SeveralUnknownsAreDealtOut) {
+  Plan plan = two_blocks(2, 2, 2);
+  plan.problem.parts.push_back(group("above", "upper"));
+  const int above = static_cast<int>(plan.problem.parts.size()) - 1;
+  plan.problem.space.order = 2;
+  plan.problem.space.more = {{"theta", "W", {}, false, 1, above}};
+  FormTerm conducts = diffusion(2, above, field_of_u(0), 1.0 + var(slot::x(0)));
+  for (auto& entry : conducts.entries)
+    entry.test = slot::of_unknown(1, entry.test), entry.trial = slot::of_unknown(1, entry.trial);
+  FormTerm expands; // theta d v_x / dx
+  expands.part = above;
+  expands.field = field_of_u(1);
+  expands.entries.push_back({slot::gradient(0, 0), slot::of_unknown(1, slot::value(0)), Expr(3.0)});
+  plan.problem.forms.push_back(conducts);
+  plan.problem.forms.push_back(expands);
+  expect_rows_of_the_whole(plan, true);
 }
 
 } // namespace

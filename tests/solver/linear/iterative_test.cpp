@@ -295,7 +295,8 @@ TEST(Iterative, RowsAsSmallAsRoundingOfOthers) {
   unknowns.nodes = n;
   unknowns.motions = DenseMatrix::Ones(n, 1);
   OPEN(solver, k, true, unknowns);
-  const auto factor = iterative_factorisation(*solver, n);
+  const HeldRows rows(k, {});
+  const auto factor = iterative_factorisation(*solver, rows);
   factor->factor(k);
   Vector x = Vector::Zero(n);
   x[0] = 1.0;
