@@ -5,8 +5,8 @@
 
 namespace hvi::solver {
 
-/// Can they? Where no mass is taken off the contact and no states change a form. Others are
-/// assembled by the first process.
+/// Can they? Where no mass is taken off the contact, no states change a form and none acts across a
+/// pair. Others are assembled by the first process.
 bool may_be_dealt(const Problem& problem, const Discretisation& discretisation);
 
 /// Of such a problem. `processes`: two or more, which are led (processes.hpp).

@@ -53,7 +53,7 @@ class Scene:
         cells = {1: [draw.randint(5, 30)], 2: [draw.randint(2, 7), draw.randint(2, 5)], 3: [3, 2, draw.randint(1, 2)]}[self.dim]
         sides = [self.size * draw.uniform(0.6, 2) for _ in cells]
         if self.kind == "slender":
-            cells, sides = [40, 2], [self.size, self.size * draw.uniform(30, 60)]
+            cells, sides = [40, 2], [self.size, self.size * draw.uniform(60, 80)]
             cells.reverse()
         name = ("interval", "rectangle", "box")[self.dim - 1]
         more = ", axisymmetric = true" if self.ring else ""
