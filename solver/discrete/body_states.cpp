@@ -126,8 +126,13 @@ void assemble(const Problem& problem, const Contact& contact, const Vector& stat
 
 const StateGroup& body_group(const Problem& problem, const Contact& contact, int part,
                              Origin origin, std::string_view what) {
-  const auto group = std::ranges::find(contact.state_groups, part, &StateGroup::part);
-  if (group != contact.state_groups.end() && group->body) return *group;
+  const auto group = std::ranges::find_if(
+      contact.state_groups, [&](const StateGroup& one) { return one.part == part && one.body; });
+  if (group == contact.state_groups.end()) throw_not_in_body(problem, part, origin, what);
+  return *group;
+}
+
+void throw_not_in_body(const Problem& problem, int part, Origin origin, std::string_view what) {
   throw Failure(FailureKind::bad_value, origin,
                 fmt::format("{} on `{}` reads a state that lives at the points of a law", what,
                             problem.parts[static_cast<std::size_t>(part)].name),
@@ -135,7 +140,7 @@ const StateGroup& body_group(const Problem& problem, const Contact& contact, int
 }
 
 bool is_uniform(const StateTerm& state) {
-  return state.rate.is_constant() && state.initial.is_constant();
+  return !state.algebraic && state.rate.is_constant() && state.initial.is_constant();
 }
 
 bool reads_states(const FormTerm& form) {

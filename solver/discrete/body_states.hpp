@@ -28,7 +28,11 @@ FormTerm at_initial_states(const Problem& problem, const FormTerm& form);
 const StateGroup& body_group(const Problem& problem, const Contact& contact, int part,
                              Origin origin, std::string_view what);
 
-/// Where the states of a part of cells live, on which no law acts.
+/// The same for a reader that was found to read states which live at the points of a law.
+[[noreturn]] void throw_not_in_body(const Problem& problem, int part, Origin origin,
+                                    std::string_view what);
+
+/// Where the states of a part of cells live, on which no law acts, and algebraic ones of any part.
 std::shared_ptr<const BodyPoints> make_body_points(const Problem& problem, const Discretisation& d,
                                                    const StateTerm& state);
 /// Adds the rows that take a state of the run to the inputs of a group's rates.

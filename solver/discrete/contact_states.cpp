@@ -69,14 +69,19 @@ bool same_points(const LawPoints& a, const LawPoints& b) {
   return a.x == b.x && a.normal == b.normal;
 }
 
+/// Algebraic states stand with those inside a body, never at the points of a law.
 StateGroup& group_of(const Problem& problem, const Discretisation& d, const StateTerm& state,
                      Contact& contact) {
-  const auto known = std::ranges::find(contact.state_groups, state.part, &StateGroup::part);
+  const auto known = std::ranges::find_if(contact.state_groups, [&](const StateGroup& group) {
+    return group.part == state.part && (group.body || !state.algebraic);
+  });
   if (known != contact.state_groups.end()) return *known;
   StateGroup group;
   group.part = state.part;
-  group.host = host_of(problem, state.part);
-  if (group.host < 0) {
+  group.host = state.algebraic ? -1 : host_of(problem, state.part);
+  if (state.algebraic) {
+    group.body = make_body_points(problem, d, state);
+  } else if (group.host < 0) {
     if (d.parts[static_cast<std::size_t>(state.part)].kind != Group::Kind::cells)
       throw Failure(FailureKind::bad_value, state.origin,
                     fmt::format("no law acts on `{}`, where the state `{}` is to live",
@@ -101,6 +106,8 @@ void find_inputs(const Problem& problem, const Contact& contact, StateGroup& gro
                         fmt::format("the rate of `{}` reads `{}`, which lives on `{}`", state.name,
                                     other.name, problem.parts[other.part].name),
                         "states that read each other live on one part");
+        if (std::ranges::find(group.states, s - slot::first_state) == group.states.end())
+          throw_not_in_body(problem, state.part, state.origin, "a load");
       } else if (slot::is_multiplier(s)) {
         const int term = slot::term_of(s);
         if (!same_points(contact.terms[term].points, points_of(contact, group)))
@@ -178,7 +185,9 @@ void place_states(const Problem& problem, Contact& contact, ContactTerm& term) {
   const auto& spec = problem.law_terms[term.points.law_term];
   for (const int i : states_read(problem, spec)) {
     const StateTerm& state = problem.states[static_cast<std::size_t>(i)];
-    const auto group = std::ranges::find(contact.state_groups, state.part, &StateGroup::part);
+    const auto group = std::ranges::find_if(contact.state_groups, [&](const StateGroup& one) {
+      return std::ranges::find(one.states, i) != one.states.end();
+    });
     const auto& host = points_of(contact, *group);
     if (state.part != spec.part || !same_points(term.points, host))
       throw Failure(
@@ -205,7 +214,7 @@ void place_states(const Problem& problem, Contact& contact, ContactTerm& term) {
 
 void check_initial_states(const Problem& problem, const Discretisation& d) {
   for (const StateTerm& state : problem.states)
-    if (!state.initial.is_constant() &&
+    if (!state.algebraic && !state.initial.is_constant() &&
         d.parts[static_cast<std::size_t>(state.part)].kind == Group::Kind::cells)
       initial_values(problem, state, make_body_points(problem, d, state)->points);
 }
@@ -220,7 +229,7 @@ void check_given_rates(const Problem& problem, const Contact& contact, double t)
   for (const StateGroup& group : contact.state_groups)
     for (const int i : group.states) {
       const StateTerm& state = problem.states[static_cast<std::size_t>(i)];
-      if (state.rate.is_constant() || !is_of_place_and_time(state)) continue;
+      if (state.algebraic || state.rate.is_constant() || !is_of_place_and_time(state)) continue;
       const LawPoints& points = points_of(contact, group);
       std::vector<double> rates(points.x.size());
       Pointwise({&state.rate, 1}).evaluate(as_block(points), t, state.origin, rates);

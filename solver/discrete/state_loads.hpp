@@ -1,4 +1,6 @@
-// Loads that read states inside bodies: the stress that strains of creep release, swelling, growth.
+// Loads that read states inside bodies: the stress that strains of creep release, swelling, growth;
+// and loads that read the solution, which are algebraic states: the heat of viscous flow,
+// reactions.
 //
 //   l(v) = int_part  sum_e F_e(x, t, z) D_e(v),    z the states at the points where they live
 #pragma once

@@ -91,7 +91,9 @@ LawDescent descent_of_laws(const Problem& problem, const Operators& operators,
   if (!contact.state_groups.empty() && !by_time)
     out.obstacle = "laws with states are solved together with them";
   if (!operators.changing.empty() && !by_time) out.obstacle = "states change the forms";
-  if (!problem.state_loads.empty()) out.obstacle = "states change the loads";
+  for (const LoadTerm& load : problem.state_loads)
+    out.obstacle =
+        reads_solution(problem, load) ? "a load reads the solution" : "states change the loads";
   // The factor of each step is that of a positive definite matrix, or there is none (E0425).
   if (by_time && !operators.symmetric)
     out.obstacle =

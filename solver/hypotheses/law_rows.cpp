@@ -134,11 +134,17 @@ void Judgement::judge_states() {
   for (const auto& load : problem_.state_loads)
     row("H(state)", "a load does not depend on the solution", std::nullopt, Answer::open,
         load.origin,
-        facts_.only_time ? "it reads states that change in time alone"
-                         : "it reads states: what is said of f leaves it out");
+        facts_.only_time                 ? "it reads states that change in time alone"
+        : reads_solution(problem_, load) ? "it reads it: what is said of f leaves it out"
+                                         : "it reads states: what is said of f leaves it out");
   for (const auto& state : problem_.states) {
     if (is_uniform(state)) continue; // time: nothing of the solution is in it
     const RateConstants found = rate_constants(problem_, d_.mesh, state);
+    if (state.algebraic) {
+      judge_variation("H(state)", fmt::format("the {} is Lipschitz in what it reads", state.name),
+                      found.by_inputs, state.origin);
+      continue;
+    }
     const auto rate = fmt::format("the rate of `{}` is Lipschitz in ", state.name);
     judge_variation("H(state)", rate + (found.other_states ? "the states" : "the state"),
                     found.by_states, state.origin);

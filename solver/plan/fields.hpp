@@ -95,8 +95,8 @@ inline auto fields_of(const LawTerm& of) {
 }
 /// Without `placed_by`, which a run gives to its start.
 inline auto fields_of(const StateTerm& of) {
-  const auto& [origin, name, part, rate, initial, low, high, placed_by] = of;
-  return std::tie(name, part, rate, initial, low, high);
+  const auto& [origin, name, part, rate, initial, low, high, placed_by, algebraic] = of;
+  return std::tie(name, part, rate, initial, low, high, algebraic);
 }
 /// Without `start`, which follows from Plan::start.
 inline auto fields_of(const TimeSpec& of) {

@@ -240,7 +240,9 @@ private:
 
   void state(std::size_t i) {
     const auto& s = problem_.states[i];
-    line("state {} `{}` over {}, rate {}", i, s.name, part(s.part), to_string(s.rate));
+    line("state {} `{}` over {}, {} {}", i, s.name, part(s.part), s.algebraic ? "value" : "rate",
+         to_string(s.rate));
+    if (s.algebraic) return;
     line("  from {} in [{}, {}]", to_string(s.initial), number(s.low), number(s.high));
   }
 

@@ -250,6 +250,11 @@ struct LawTerm {
 
 /// A state z at every point of the laws on a part: z' = rate, z(t0) = initial, kept in [low, high]
 /// by projection: where the rate would take it out, it stays at the end.
+///
+/// Or, where it is `algebraic`, z = rate at every time: what a load reads of the solution. It lives
+/// at points of its own or with the states inside the body, is read by Problem::state_loads alone,
+/// and stands behind those with rates. Those of one part and name are entries of one quantity,
+/// as the components of a stress, and have one size. Then a static problem has states, too.
 struct StateTerm {
   Origin origin;
   std::string name;
@@ -261,6 +266,7 @@ struct StateTerm {
   /// Inside a body it lives where this rate needs it, if that is not its own one: in the start of a
   /// run, where states stand still, at the points of the run.
   std::optional<Expr> placed_by{};
+  bool algebraic = false;
 };
 
 /// ---- time --------------------------------------------------------------------------------------
@@ -337,7 +343,8 @@ struct Problem {
   std::vector<LawTerm> law_terms;
   std::vector<StateTerm> states;
   std::vector<LoadTerm> loads;
-  std::vector<LoadTerm> state_loads; ///< those that read states inside the body of their part
+  /// Those that read states inside the body of their part, or algebraic ones.
+  std::vector<LoadTerm> state_loads;
   TimeSpec time;
   std::vector<EffectNote> effects;
 };
@@ -348,6 +355,16 @@ inline std::vector<const LoadTerm*> all_loads(const Problem& problem) {
   for (const LoadTerm& load : problem.loads) out.push_back(&load);
   for (const LoadTerm& load : problem.state_loads) out.push_back(&load);
   return out;
+}
+
+/// Of state_loads: one that reads an algebraic state.
+inline bool reads_solution(const Problem& problem, const LoadTerm& load) {
+  return std::ranges::any_of(load.entries, [&](const LoadTerm::Entry& entry) {
+    return std::ranges::any_of(entry.value.slots(), [&](Slot s) {
+      return slot::is_state(s) &&
+             problem.states[static_cast<std::size_t>(s - slot::first_state)].algebraic;
+    });
+  });
 }
 
 /// How fast row `row` moves with the increment of u, fields moving by these factors.

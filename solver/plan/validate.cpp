@@ -142,6 +142,7 @@ private:
 
   void states_of_form(const Expr& coefficient, const FormTerm& form) {
     states_of_part(coefficient, form.part, form.origin, "a form");
+    only_loads_read(coefficient, form.origin, "a form");
     for (const StateTerm* state : states_in(coefficient))
       if (form.field == field_of_u(2))
         wrong(form.origin, fmt::format("the state `{}` changes a mass", state->name));
@@ -198,11 +199,34 @@ private:
     if (count(law.states) > slot::most_law_states)
       wrong(law.origin, fmt::format("a law reads {} states; {} are the most", law.states.size(),
                                     slot::most_law_states));
-    for (const int i : law.states) index(i, count(problem_.states), law.origin, "a law", "state");
+    for (const int i : law.states)
+      if (index(i, count(problem_.states), law.origin, "a law", "state"))
+        only_loads_read(Expr::variable(slot::state(i)), law.origin, "a law");
+  }
+
+  /// What a load reads of the solution: at points of its own, read by loads alone.
+  void algebraic_state(const StateTerm& state) {
+    no_pair(state.part, state.origin, "a load");
+    variables(state.rate, of_report, state.origin, "what a load reads");
+    states_of_part(state.rate, state.part, state.origin, "a load");
+    for (const Slot s : state.rate.slots())
+      if (slot::is_multiplier(s) || (slot::is_field(s) && slot::field_of(s) == field_of_u(2)))
+        wrong(state.origin, "a load reads unknowns, their rates, memories and gradients, only");
+  }
+
+  /// Only loads read algebraic states, which stand behind the others.
+  void only_loads_read(const Expr& e, Origin origin, std::string_view what) {
+    for (const StateTerm* state : states_in(e))
+      if (state->algebraic)
+        wrong(origin, fmt::format("{} reads `{}`, which loads alone read", what, state->name));
   }
 
   void state(const StateTerm& state) {
     part(state.part, state.origin, "a state");
+    only_loads_read(state.rate, state.origin, "the rate of a state");
+    if (state.algebraic) return algebraic_state(state);
+    if (&state != problem_.states.data() && (&state - 1)->algebraic)
+      wrong(state.origin, fmt::format("the state `{}` stands behind an algebraic one", state.name));
     if (problem_.time.is_static)
       wrong(state.origin, "a state changes with time, and a static problem has none");
     if (!(state.low <= state.high))

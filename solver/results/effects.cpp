@@ -114,7 +114,9 @@ std::vector<EffectNote> found_effects(const Problem& problem, const Discretisati
                    load.origin, text_of(run.formulation->loads().cost(load.origin))});
   for (const LoadTerm& load : problem.state_loads)
     out.push_back({fmt::format("load on `{}`", problem.parts[load.part].name), State::on,
-                   load.origin, "reads states, found with each step"});
+                   load.origin,
+                   reads_solution(problem, load) ? "reads the solution, found with each step"
+                                                 : "reads states, found with each step"});
   return out;
 }
 

@@ -10,6 +10,9 @@ namespace hvi::solver {
 namespace {
 
 constexpr int most_directions = 40;
+/// What loads read of the solution couples all points; directions are dropped before they take too
+/// much room.
+constexpr int most_from_inputs = 240, most_kept = 80;
 /// Of Z - z: a Newton step needs no more.
 constexpr double small_part = 1e-6;
 
@@ -30,7 +33,8 @@ BodyTangent::BodyTangent(const Problem& problem, const Discretisation& d,
 
 BodyTangent::Place BodyTangent::place_of(int part) const {
   const auto& groups = formulation_.contact().state_groups;
-  const auto group = std::ranges::find(groups, part, &StateGroup::part);
+  const auto group = std::ranges::find_if(
+      groups, [&](const StateGroup& one) { return one.part == part && one.body; });
   return {&*group, blocks_[static_cast<std::size_t>(group - groups.begin())].get()};
 }
 
@@ -153,24 +157,45 @@ bool BodyTangent::add_direction(const Vector& v, const StepMatrix& matrix,
   return true;
 }
 
-bool BodyTangent::step(const BodyPass& pass, const StepMatrix& matrix, Vector& change) {
+bool BodyTangent::prepare(const BodyPass& pass, const StepMatrix& matrix) {
   const bool solvable = matrix.factorisation() || matrix.laws() != nullptr;
   if (parts_.empty() || !solvable) return false;
   find_q(pass);
   find_r(pass);
-  s_ = states_.slopes(pass.inputs, pass.share, pass.solution);
+  return true;
+}
+
+/// change += da of the dz that leaves nothing of `left`.
+bool BodyTangent::reduce(Vector left, int most, const BodyPass& pass, const StepMatrix& matrix,
+                         Vector& change) {
   directions_.clear();
-  Vector left = pass.solution - formulation_.contact().state_values;
   const double enough = small_part * left.norm();
-  change.setZero(r_.rows());
-  while (left.norm() > enough && std::ssize(directions_) < most_directions) {
+  for (int n = 0; left.norm() > enough && n < most; ++n) {
+    if (std::ssize(directions_) == most_kept) directions_.clear();
     if (!add_direction(left, matrix, pass.laws)) break;
     const Direction& last = directions_.back();
     const double part = last.image.dot(left);
     change += part * last.inputs;
     left -= part * last.image;
   }
-  return change.allFinite() && !directions_.empty();
+  return change.allFinite();
+}
+
+bool BodyTangent::step(const BodyPass& pass, const StepMatrix& matrix, Vector& change) {
+  if (!prepare(pass, matrix)) return false;
+  s_ = states_.slopes(pass.inputs, pass.share, pass.solution);
+  change.setZero(r_.rows());
+  return reduce(pass.solution - formulation_.contact().state_values, most_directions, pass, matrix,
+                change) &&
+         !directions_.empty();
+}
+
+bool BodyTangent::step_from(const Vector& b, const BodyPass& pass, const StepMatrix& matrix,
+                            Vector& change) {
+  if (!prepare(pass, matrix)) return false;
+  s_ = states_.slopes(b, pass.share, formulation_.contact().state_values);
+  change = pass.inputs - b;
+  return reduce(s_ * change, most_from_inputs, pass, matrix, change);
 }
 
 } // namespace hvi::solver

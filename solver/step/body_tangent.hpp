@@ -39,6 +39,10 @@ public:
               const Evolution& evolution, const PointStates& states);
   /// The change da of the inputs. False: laws have states, too, or nothing was found.
   bool step(const BodyPass& pass, const StepMatrix& matrix, Vector& change);
+  /// The same from inputs b of which the states at hand are made, z = Z(b), not from those of their
+  /// solution: what is sought is b = R U(Z(b)), so that
+  ///   (1 + R (K + G^T W D G)^-1 Q S) db = a - b,    S at b.
+  bool step_from(const Vector& b, const BodyPass& pass, const StepMatrix& matrix, Vector& change);
 
 private:
   /// How one entry of a form changes with one state: dC/dz D_trial(y) at the points, on the rows
@@ -66,6 +70,9 @@ private:
   Vector in_equation(const BodyPass& pass, int base) const;
   void find_q(const BodyPass& pass);
   void find_r(const BodyPass& pass);
+  bool prepare(const BodyPass& pass, const StepMatrix& matrix);
+  bool reduce(Vector left, int most, const BodyPass& pass, const StepMatrix& matrix,
+              Vector& change);
   bool add_direction(const Vector& v, const StepMatrix& matrix, const InequalityState& at);
 
   const Discretisation& d_;

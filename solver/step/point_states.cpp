@@ -20,6 +20,7 @@ PointStates::PointStates(const Problem& problem, const Evolution& evolution, Con
   if (none()) return;
   for (const auto& group : contact.state_groups)
     rates_.emplace_back(problem, group, points_of(contact, group));
+  if (std::ranges::all_of(problem.states, &StateTerm::algebraic)) return;
   Problem first_order; // without inertia
   first_order.time = problem.time;
   if (problem.time.scheme != Scheme::backward_euler) first_order.time.scheme = Scheme::bdf2;
@@ -27,16 +28,49 @@ PointStates::PointStates(const Problem& problem, const Evolution& evolution, Con
   scheme_->start(static_cast<int>(accepted_.size()));
 }
 
+void PointStates::start() {
+  if (std::ranges::none_of(problem_.states, &StateTerm::algebraic)) return;
+  const auto& grid = evolution_.grid();
+  auto known = contact_.state_fields;
+  std::erase_if(known, [](int field) { return is_memory(field); });
+  auto fields = evolution_.law_fields(known);
+  for (const int field : contact_.state_fields) // which are empty at that time
+    if (is_memory(field)) fields.add(field, 0.0, Vector::Zero(evolution_.u().size()));
+  StateInputs inputs{Vector::Zero(n_inputs()), Vector::Zero(n_inputs())};
+  for (const auto& group : contact_.state_groups) values_of_fields(group, fields, inputs);
+  for (std::size_t g = 0; g < rates_.size(); ++g) {
+    const auto& group = contact_.state_groups[g];
+    std::vector<double> rates(group.states.size());
+    for (int p = 0; p < group.n_points; ++p) {
+      rates_[g].rates(p, grid.is_static() ? 0.0 : grid.t(0), of_point(group, p, accepted_),
+                      inputs_of_point(group, p, inputs.values), rates);
+      for (std::size_t i = n_with_rates(group); i < rates.size(); ++i)
+        accepted_[contact_.first_state[group.states[i]] + p] = rates[i];
+    }
+  }
+  give_up();
+}
+
 void PointStates::begin(int n) {
   if (none()) return;
   give_up();
   n_ = n;
-  t_ = evolution_.grid().t(n);
-  factor_ = 1.0 / scheme_->factor(n, 1);
+  t_ = evolution_.grid().is_static() ? 0.0 : evolution_.grid().t(n);
   known_ = accepted_;
-  for (const auto& [factor, of] : scheme_->known(n, 1))
-    if (of != nullptr) known_ -= factor_ * factor * *of;
+  if (scheme_) {
+    factor_ = 1.0 / scheme_->factor(n, 1);
+    for (const auto& [factor, of] : scheme_->known(n, 1))
+      if (of != nullptr) known_ -= factor_ * factor * *of;
+  }
+  for (const auto& group : contact_.state_groups)
+    for (const int i : group.states)
+      if (algebraic(i)) known_.segment(contact_.first_state[i], group.n_points).setZero();
   move_time();
+}
+
+std::size_t PointStates::n_with_rates(const StateGroup& group) const {
+  const auto first = std::ranges::find_if(group.states, [&](int i) { return algebraic(i); });
+  return static_cast<std::size_t>(first - group.states.begin());
 }
 
 /// Of states whose rates are numbers nothing has to be solved for.
@@ -59,21 +93,8 @@ void PointStates::inputs(const Vector& u, const Vector* d, const Vector& xi,
   const auto fields = evolution_.law_fields(n_, contact_.state_fields, u, d);
   const auto laws = evolution_.law_fields(n_, contact_.other_fields, u, d);
   for (const auto& group : contact_.state_groups) {
-    const SparseMatrix& trace = group.body ? contact_.body_trace : contact_.trace;
-    const bool reached = !group.body && contact_.reach.size() == trace.cols();
-    int row = group.first_input;
-    for (const Slot s : group.fields) {
-      const int field = slot::field_of(s);
-      const Vector& values = fields[field];
-      const double factor = reached ? fields.factor(field) : 0.0;
-      for (const int end = row + group.n_points; row < end; ++row)
-        for (SparseMatrix::InnerIterator it(trace, row); it; ++it) {
-          out.values[row] += it.value() * values[it.col()];
-          out.scales[row] +=
-              std::abs(it.value()) * (std::abs(values[it.col()]) +
-                                      (factor > 0.0 ? factor * contact_.reach[it.col()] : 0.0));
-        }
-    }
+    values_of_fields(group, fields, out);
+    int row = group.first_input + static_cast<int>(group.fields.size()) * group.n_points;
     for (const Slot s : group.multipliers) {
       const auto& term = contact_.terms[slot::term_of(s)];
       const auto component = static_cast<std::size_t>(slot::row_of(s));
@@ -83,6 +104,26 @@ void PointStates::inputs(const Vector& u, const Vector* d, const Vector& xi,
           .setConstant(multiplier_scale(contact_, term, laws, xi));
       row += group.n_points;
     }
+  }
+}
+
+/// Those that the rates of a group read, with their sizes.
+void PointStates::values_of_fields(const StateGroup& group, const LawFields& fields,
+                                   StateInputs& out) const {
+  const SparseMatrix& trace = group.body ? contact_.body_trace : contact_.trace;
+  const bool reached = !group.body && contact_.reach.size() == trace.cols();
+  int row = group.first_input;
+  for (const Slot s : group.fields) {
+    const int field = slot::field_of(s);
+    const Vector& values = fields[field];
+    const double factor = reached ? fields.factor(field) : 0.0;
+    for (const int end = row + group.n_points; row < end; ++row)
+      for (SparseMatrix::InnerIterator it(trace, row); it; ++it) {
+        out.values[row] += it.value() * values[it.col()];
+        out.scales[row] +=
+            std::abs(it.value()) *
+            (std::abs(values[it.col()]) + (factor > 0.0 ? factor * contact_.reach[it.col()] : 0.0));
+      }
   }
 }
 
@@ -107,33 +148,58 @@ bool PointStates::solve(const Vector& inputs, double share, Vector& values) cons
   if (!inputs.allFinite()) return false;
   for (std::size_t g = 0; g < rates_.size(); ++g) {
     const auto& group = contact_.state_groups[g];
-    LocalEquation local;
-    local.factor = share * factor_;
-    for (const int i : group.states) {
-      local.low.push_back(problem_.states[i].low);
-      local.high.push_back(problem_.states[i].high);
-    }
+    const std::size_t with_rates = n_with_rates(group);
+    std::vector<double> rates(group.states.size());
     for (int p = 0; p < group.n_points; ++p) {
       const auto own = inputs_of_point(group, p, inputs);
       auto z = of_point(group, p, accepted_);
-      local.known = of_point(group, p, known_);
-      for (std::size_t i = 0; i < z.size(); ++i)
-        local.known[i] = z[i] + share * (local.known[i] - z[i]);
-      local.rates = [&](std::span<const double> at, std::span<double> out) {
-        rates_[g].rates(p, t_, at, own, out);
-      };
-      local.derivatives = [&](std::span<const double> at, std::span<double> out) {
-        rates_[g].derivatives(p, t_, at, own, out, {});
-      };
-      local.terms = [&](std::span<const double> at, std::span<double> out) {
-        terms_of_rates(g, p, at, own, out);
-      };
-      if (!solve_local(local, z)) return false;
+      if (with_rates > 0 && !solve_rates(g, p, share, own, z)) return false;
+      if (with_rates < z.size()) {
+        rates_[g].rates(p, t_, z, own, rates);
+        std::copy(rates.begin() + static_cast<std::ptrdiff_t>(with_rates), rates.end(),
+                  z.begin() + static_cast<std::ptrdiff_t>(with_rates));
+      }
       for (std::size_t i = 0; i < z.size(); ++i)
         values[contact_.first_state[group.states[i]] + p] = z[i];
     }
   }
   return values.allFinite();
+}
+
+/// The states of point p that have rates, from the accepted ones on; these read no algebraic ones.
+bool PointStates::solve_rates(std::size_t g, int p, double share, std::span<const double> inputs,
+                              std::span<double> z) const {
+  const auto& group = contact_.state_groups[g];
+  const std::size_t n = n_with_rates(group), all = z.size();
+  LocalEquation local;
+  local.factor = share * factor_;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto& spec = problem_.states[static_cast<std::size_t>(group.states[i])];
+    local.low.push_back(spec.low);
+    local.high.push_back(spec.high);
+    const double known = known_[contact_.first_state[group.states[i]] + p];
+    local.known.push_back(z[i] + share * (known - z[i]));
+  }
+  std::vector<double> at(z.begin(), z.end()), room(all), square(all * all);
+  const auto full = [&](std::span<const double> own) -> std::span<const double> {
+    std::ranges::copy(own, at.begin());
+    return at;
+  };
+  local.rates = [&](std::span<const double> own, std::span<double> out) {
+    rates_[g].rates(p, t_, full(own), inputs, room);
+    std::copy_n(room.begin(), n, out.begin());
+  };
+  local.derivatives = [&](std::span<const double> own, std::span<double> out) {
+    rates_[g].derivatives(p, t_, full(own), inputs, square, {});
+    for (std::size_t i = 0; i < n; ++i)
+      std::copy_n(square.begin() + static_cast<std::ptrdiff_t>(i * all), n,
+                  out.begin() + static_cast<std::ptrdiff_t>(i * n));
+  };
+  local.terms = [&](std::span<const double> own, std::span<double> out) {
+    terms_of_rates(g, p, full(own), inputs, room);
+    std::copy_n(room.begin(), n, out.begin());
+  };
+  return solve_local(local, z.first(n));
 }
 
 /// sum_j |dg_i/dz_j z_j| + |dg_i/da_j a_j| of point p.
@@ -152,7 +218,6 @@ void PointStates::terms_of_rates(std::size_t g, int p, std::span<const double> z
 /// (I - c dg/dz) dz = c dg/da da on the states that are not held at an end.
 SparseMatrix PointStates::slopes(const Vector& inputs, double share, const Vector& values) const {
   std::vector<Eigen::Triplet<double>> entries;
-  const double c = share * factor_;
   for (std::size_t g = 0; g < rates_.size(); ++g) {
     const auto& group = contact_.state_groups[g];
     const auto n = static_cast<Eigen::Index>(group.states.size());
@@ -168,7 +233,8 @@ SparseMatrix PointStates::slopes(const Vector& inputs, double share, const Vecto
         const int state = group.states[static_cast<std::size_t>(i)];
         const auto& spec = problem_.states[static_cast<std::size_t>(state)];
         const int at = contact_.first_state[state] + p;
-        const double known = accepted_[at] + share * (known_[at] - accepted_[at]);
+        const double part = spec.algebraic ? 1.0 : share, c = part * factor(state);
+        const double known = accepted_[at] + part * (known_[at] - accepted_[at]);
         const double moved = known + c * rate[static_cast<std::size_t>(i)];
         if (moved <= spec.low || moved >= spec.high) continue;
         for (Eigen::Index j = 0; j < n; ++j)
@@ -240,9 +306,10 @@ StateError PointStates::error(const StateInputs& inputs) const {
       rates_[g].derivatives(p, t_, z, own, by_state, {});
       for (std::size_t i = 0; i < n; ++i) {
         const auto& spec = problem_.states[static_cast<std::size_t>(group.states[i])];
-        const double moved = known_[contact_.first_state[group.states[i]] + p] + factor_ * rate[i];
+        const int state = group.states[i];
+        const double moved = known_[contact_.first_state[state] + p] + factor(state) * rate[i];
         const double left = std::abs(z[i] - std::clamp(moved, spec.low, spec.high)) /
-                            steepness(std::span(by_state).subspan(i * n, n));
+                            steepness(state, std::span(by_state).subspan(i * n, n));
         residual[i] = std::isfinite(left) ? std::max(residual[i], left) : infinity;
         if (!std::isfinite(rate[i]) && !out.no_rate) {
           const LawPoints& points = points_of(contact_, group);
@@ -261,9 +328,9 @@ StateError PointStates::error(const StateInputs& inputs) const {
 }
 
 /// By how much more the residual of an equation changes than its state.
-double PointStates::steepness(std::span<const double> by_state) const {
+double PointStates::steepness(int state, std::span<const double> by_state) const {
   double out = 1.0;
-  for (const double slope : by_state) out = std::max(out, std::abs(factor_ * slope));
+  for (const double slope : by_state) out = std::max(out, std::abs(factor(state) * slope));
   return out;
 }
 
@@ -282,9 +349,9 @@ std::vector<double> PointStates::made_of_scales(std::size_t g, int p,
   rates_[g].rates(p, t_, z, own, here);
   std::vector<double> steep(n);
   for (std::size_t i = 0; i < n; ++i) {
-    steep[i] = steepness(std::span(by_state).subspan(i * n, n));
+    steep[i] = steepness(group.states[i], std::span(by_state).subspan(i * n, n));
     for (std::size_t j = 0; j < n_in; ++j)
-      out[i] += factor_ / steep[i] * std::abs(by_input[i * n_in + j]) * scales[j];
+      out[i] += factor(group.states[i]) / steep[i] * std::abs(by_input[i * n_in + j]) * scales[j];
   }
   for (const double sign : {-1.0, 1.0}) {
     auto moved = own;
@@ -292,8 +359,10 @@ std::vector<double> PointStates::made_of_scales(std::size_t g, int p,
     rates_[g].rates(p, t_, z, moved, there);
     rates_[g].derivatives(p, t_, z, moved, by_state, {});
     for (std::size_t i = 0; i < n; ++i) {
-      const double change = factor_ * std::abs(there[i] - here[i]) /
-                            std::max(steep[i], steepness(std::span(by_state).subspan(i * n, n)));
+      const int state = group.states[i];
+      const double change =
+          factor(state) * std::abs(there[i] - here[i]) /
+          std::max(steep[i], steepness(state, std::span(by_state).subspan(i * n, n)));
       if (std::isfinite(change)) out[i] = std::max(out[i], change);
     }
   }
@@ -314,7 +383,19 @@ std::vector<double> PointStates::sizes(const StateInputs& inputs) const {
       }
     }
   }
+  share_sizes(out);
   return out;
+}
+
+/// The entries of a load have that of the largest: the shear of a flow leaves rounding in its other
+/// strains.
+void PointStates::share_sizes(std::vector<double>& sizes) const {
+  const auto& states = problem_.states;
+  for (std::size_t i = 0; i < states.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (states[i].algebraic && states[j].algebraic && states[i].part == states[j].part &&
+          states[i].name == states[j].name)
+        sizes[i] = sizes[j] = std::max(sizes[i], sizes[j]);
 }
 
 StateError PointStates::distance(const Vector& values, const StateInputs& inputs) const {
@@ -345,21 +426,23 @@ Vector PointStates::kept(Vector values) const {
 
 void PointStates::accept(int n) {
   if (none()) return;
-  Vector moved = contact_.state_values - accepted_;
-  scheme_->accept(n, moved);
+  if (scheme_) {
+    Vector moved = contact_.state_values - accepted_;
+    scheme_->accept(n, moved);
+  }
   accepted_ = contact_.state_values;
 }
 
 void PointStates::save(StateWriter& w) const {
   if (none()) return;
   put_vector(w, accepted_);
-  scheme_->save(w);
+  if (scheme_) scheme_->save(w);
 }
 
 void PointStates::restore(StateReader& r) {
   if (none()) return;
   get_vector(r, accepted_, accepted_.size());
-  scheme_->restore(r);
+  if (scheme_) scheme_->restore(r);
   give_up();
 }
 

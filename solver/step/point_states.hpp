@@ -7,6 +7,9 @@
 //
 // b_n known (backward Euler: z_{n-1}, 1/f = k). a_n, the inputs, are values of u and u' and
 // multipliers at the end of the step: state and inequality hold at once (state_coupling.hpp).
+//
+// An algebraic state is z_n = g(z_n, a_n, t_n), the same with b_n = 0 and f = 1; g reads others
+// only.
 #pragma once
 
 #include "solver/common/stream.hpp"
@@ -46,6 +49,8 @@ public:
   int n_inputs() const { return static_cast<int>(contact_.trace.rows()); }
   double t() const { return t_; } ///< of the step
 
+  /// The algebraic states of the initial time, when the evolution has its initial state.
+  void start();
   /// Step n starts at the accepted values, those that are the same everywhere, as time is, at the
   /// values of its end.
   void begin(int n);
@@ -82,19 +87,29 @@ public:
 
 private:
   void move_time();
+  bool algebraic(int state) const {
+    return problem_.states[static_cast<std::size_t>(state)].algebraic;
+  }
+  /// 1 / f of a state.
+  double factor(int state) const { return algebraic(state) ? 1.0 : factor_; }
+  std::size_t n_with_rates(const StateGroup& group) const; ///< which stand first
+  bool solve_rates(std::size_t g, int p, double share, std::span<const double> inputs,
+                   std::span<double> z) const;
+  void values_of_fields(const StateGroup& group, const LawFields& fields, StateInputs& out) const;
   std::vector<double> of_point(const StateGroup& group, int p, const Vector& values) const;
   std::vector<double> inputs_of_point(const StateGroup& group, int p, const Vector& inputs) const;
   void terms_of_rates(std::size_t g, int p, std::span<const double> z,
                       std::span<const double> inputs, std::span<double> out) const;
   std::vector<double> sizes(const StateInputs& inputs) const;
+  void share_sizes(std::vector<double>& sizes) const;
   std::vector<double> made_of_scales(std::size_t g, int p, const StateInputs& inputs) const;
-  double steepness(std::span<const double> by_state) const;
+  double steepness(int state, std::span<const double> by_state) const;
 
   const Problem& problem_;
   const Evolution& evolution_;
   Contact& contact_;
   std::vector<StateRates> rates_;      ///< by group
-  std::unique_ptr<TimeScheme> scheme_; ///< of the states; null: there are none
+  std::unique_ptr<TimeScheme> scheme_; ///< of the states; null: none has a rate
   Vector accepted_, known_;
   double factor_ = 1.0, t_ = 0.0; ///< 1 / f, and t_n
   int n_ = 0;

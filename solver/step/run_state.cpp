@@ -42,7 +42,10 @@ RunState::RunState(const Plan& plan, const Discretisation& d)
   trial.z = trial.dz = Vector::Zero(contact().n_rows());
   evolution.start();
   if (plan.problem.time.start) take_start(plan.problem, *this);
-  if (in_motion(plan.problem)) start_motion(plan, d, *this);
+  if (in_motion(plan.problem))
+    start_motion(plan, d, *this);
+  else
+    solver.equations.laws.states.start();
 }
 
 } // namespace hvi::solver

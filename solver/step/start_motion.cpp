@@ -257,6 +257,7 @@ public:
     derivatives_[0] = run.evolution.u();
     layout.gather(starting_velocity(plan.problem, d), derivatives_[1]);
     run.evolution.start_motion(derivatives_[1], derivatives_[2]);
+    run.solver.equations.laws.states.start();
     if (!needed()) return;
     layout.gather(imposed_rate(plan.problem, d, 2, Vector::Zero(d.space.n_dofs())),
                   derivatives_[2]);
@@ -296,6 +297,22 @@ private:
                         "argument of this law is not known",
                         name_of(plan_.problem.time.scheme)),
             "use backward_euler or bdf2, which start from initial values alone");
+    for (const StateTerm& state : plan_.problem.states)
+      if (state.algebraic && reads_what_is_sought(state.rate))
+        throw Failure(
+            FailureKind::bad_value, state.origin,
+            fmt::format("the scheme {} starts from a balance at the initial time, where what this "
+                        "load reads is not known",
+                        name_of(plan_.problem.time.scheme)),
+            "use backward_euler or bdf2, which start from initial values alone");
+  }
+
+  bool reads_what_is_sought(const Expr& value) const {
+    return std::ranges::any_of(value.slots(), [&](Slot s) {
+      if (!slot::is_field(s) || is_memory(slot::field_of(s))) return false;
+      const auto unknown = static_cast<std::size_t>(slot::unknown_of(slot::derivative_of(s)));
+      return slot::field_of(s) >= orders_[unknown];
+    });
   }
 
   void solve(const Operators& operators, const Vector& weights, const Vector& f) {

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace hvi::solver {
@@ -40,7 +41,8 @@ public:
                 StepResult& out)
       : problem_(problem), solver_(solver), states_(solver.laws.states), contact_(contact),
         tolerance_(tolerance), matrix_(matrix), path_start_(path_start), body_(body), renew_(renew),
-        equation_(equation), trial_(trial), out_(out) {}
+        equation_(equation), trial_(trial), out_(out),
+        algebraic_(std::ranges::any_of(problem.states, &StateTerm::algebraic)) {}
 
   void run() {
     judge();
@@ -59,10 +61,11 @@ public:
     }
     if (out_.inequality.converged && error_ <= tolerance_) return;
     out_.inequality.converged = false;
-    out_.inequality.verdict = fmt::format(
-        "the state `{}` and the solution do not settle on each other: the step is too long for "
-        "what it does there, or there is no solution near the last one",
-        problem_.states[static_cast<std::size_t>(std::max(worst_, 0))].name);
+    const StateTerm& worst = problem_.states[static_cast<std::size_t>(std::max(worst_, 0))];
+    out_.inequality.verdict =
+        fmt::format("the {} and the solution do not settle on each other: the step is too long for "
+                    "what it does there, or there is no solution near the last one",
+                    worst.algebraic ? worst.name : fmt::format("state `{}`", worst.name));
   }
 
 private:
@@ -142,6 +145,7 @@ private:
 
   /// Plain passes while they contract, then Newton's method, or Anderson's. False: none gets there.
   bool settle() {
+    const Here first = here();
     double before = infinity;
     const double enough = in_forms() ? contracts_in_forms : contracts;
     while (!near() && error_ < enough * before) {
@@ -149,6 +153,10 @@ private:
       solve_with(Vector(wanted_));
     }
     if (near()) return true;
+    if (body_ != nullptr && algebraic_) {
+      if (!(error_ < contracts * first.error)) go(first); // a steep load has gone far
+      if (settle_from_inputs()) return true;
+    }
     if (!std::isfinite(error_)) return false;
     for (int k = 0; k < most_newton; ++k) {
       before = error_;
@@ -162,6 +170,59 @@ private:
     if (settle_by_mixing()) return true;
     go(place);
     return settle_by_parts();
+  }
+
+  /// Newton's method on what the states are made of. What a steep load makes of a solution that is
+  /// a little off is far off, and the solution for that farther: there is no way back from it.
+  /// False: the place is as it was.
+  bool settle_from_inputs() {
+    const Here first = here();
+    Vector at = inputs_.values, size = Vector::Zero(at.size()), change;
+    if (!take_states_of(at)) return false;
+    double last = infinity;
+    for (int k = 0; k < most_newton && usable() && !near(); ++k) {
+      if (error_ <= tolerance_ && error_ > 0.25 * last) break; // rounding is left
+      last = error_;
+      if (!body_->step_from(at, pass(), matrix_, change)) break;
+      const Here start = here();
+      const double least = start.error <= tolerance_ ? 1.0 : shortest_newton;
+      bool nearer = false;
+      for (double t = 1.0; t >= least && !nearer; t /= 2.0) {
+        if (t < 1.0) go(start);
+        const Vector next = at + t * change;
+        if (!take_states_of(next) || !usable()) continue;
+        take_sizes(size);
+        const double before = (start.inputs.values - at).cwiseQuotient(size).norm();
+        nearer = (inputs_.values - next).cwiseQuotient(size).norm() < before ||
+                 error_ < contracts * start.error;
+        if (nearer) at = next;
+      }
+      if (nearer) continue;
+      go(start);
+      break;
+    }
+    if (usable() && error_ <= tolerance_) return true;
+    go(first);
+    return false;
+  }
+
+  /// The solution for the states that these inputs make. False: they make none.
+  bool take_states_of(const Vector& inputs) {
+    Vector states;
+    if (!states_.solve(inputs, share_, states)) return false;
+    solve_with(states);
+    return true;
+  }
+
+  /// Of each kind of input the largest there was, before anything cancels.
+  void take_sizes(Vector& size) const {
+    for (const auto& group : contact_.state_groups)
+      for (int row = group.first_input; row < group.first_input + group.n_inputs();
+           row += group.n_points) {
+        auto of_kind = size.segment(row, group.n_points);
+        const double now = inputs_.scales.segment(row, group.n_points).lpNorm<Eigen::Infinity>();
+        of_kind = of_kind.cwiseMax(std::max(now, std::numeric_limits<double>::min())).eval();
+      }
   }
 
   /// What rounding leaves of multipliers that depend on each other, or of arguments that cancel, is
@@ -265,10 +326,12 @@ private:
     return tangent.step({solver_.laws.now, z, inputs_.values, wanted_, share_}, change);
   }
 
+  BodyPass pass() const {
+    return {equation_.n, state_, trial_.d, solver_.laws.now, inputs_.values, wanted_, share_};
+  }
+
   bool step_of_body(Vector& change) {
-    return wanted_.size() > 0 && body_->step({equation_.n, state_, trial_.d, solver_.laws.now,
-                                              inputs_.values, wanted_, share_},
-                                             matrix_, change);
+    return wanted_.size() > 0 && body_->step(pass(), matrix_, change);
   }
 
   void arguments(Vector& z) {
@@ -342,6 +405,7 @@ private:
   StepEquation& equation_;
   Trial& trial_;
   StepResult& out_;
+  bool algebraic_; ///< loads read the solution
   double share_ = 1.0, error_ = infinity;
   int worst_ = -1; ///< the state that is farthest off
   StateInputs inputs_;

@@ -61,8 +61,9 @@ Plan start_of(const Plan& plan) {
   out.problem.parts = plan.problem.parts;
   out.problem.space = plan.problem.space;
   out.options = plan.options;
-  for (std::size_t i = 0; i < plan.problem.states.size(); ++i)
-    out.problem.states[i].placed_by = plan.problem.states[i].rate;
+  for (std::size_t i = 0; i < plan.problem.states.size(); ++i) // the algebraic ones behind
+    if (!plan.problem.states[i].algebraic)
+      out.problem.states[i].placed_by = plan.problem.states[i].rate;
   return out;
 }
 

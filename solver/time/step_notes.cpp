@@ -70,6 +70,10 @@ double force_at_zero(const Law& law, const LawGraph& graph) {
 
 /// The law term to blame: of the worst point, else the first.
 Origin blamed(const StepResult& step, const Problem& problem, const Contact& contact) {
+  if (const int state = step.states.state;
+      state >= 0 && step.states.worst > std::max(step.equilibrium, step.inclusion.worst) &&
+      problem.states[static_cast<std::size_t>(state)].algebraic)
+    return problem.states[static_cast<std::size_t>(state)].origin;
   if (step.inclusion.worst_term >= 0) return problem.law_terms[step.inclusion.worst_term].origin;
   const int worst = step.inequality.worst_point;
   if (worst >= 0 && worst < static_cast<int>(contact.problem.points.size()))
@@ -193,13 +197,19 @@ namespace {
 [[noreturn]] void refuse_rate(const StateError::NoRate& found, double t, const std::string& place,
                               const Plan& plan) {
   const StateTerm& state = plan.problem.states[static_cast<std::size_t>(found.state)];
-  const auto what = fmt::format("the rate of the state `{}`", state.name);
+  const auto what = state.algebraic ? fmt::format("what the {} reads", state.name)
+                                    : fmt::format("the rate of the state `{}`", state.name);
   if (is_of_place_and_time(state))
     throw_not_finite(state.origin, what, found.rate, found.x, found.dim, &t);
+  const std::string wrong = fmt::format("no certified solution at {}: {} is {} at {}", place, what,
+                                        std::isnan(found.rate) ? "no number" : "infinite",
+                                        describe_point(found.x, found.dim));
+  if (state.algebraic)
+    throw Failure(FailureKind::not_certified, state.origin, wrong,
+                  "let it be a number whatever the solution is (`max(.., 0)` under a root, cases), "
+                  "or take smaller steps");
   throw Failure(FailureKind::not_certified, state.origin,
-                fmt::format("no certified solution at {}: {} is {} at {}, where `{}` is {:.6g}",
-                            place, what, std::isnan(found.rate) ? "no number" : "infinite",
-                            describe_point(found.x, found.dim), state.name, found.value),
+                fmt::format("{}, where `{}` is {:.6g}", wrong, state.name, found.value),
                 "let the rate be a number whatever it reads (`max(.., 0)` under a root, cases, a "
                 "range `in [a, b]` of the state), or take smaller steps");
 }

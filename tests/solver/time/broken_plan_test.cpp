@@ -292,6 +292,38 @@ TEST(Validate, NamesWhatIsWrong) {
   EXPECT_EQ(said([](Plan& p) { p.report.fields[0].every = 0; }), "output every 0 steps");
 }
 
+TEST(Validate, OnlyLoadsReadAlgebraicStates) {
+  const auto with = [](Plan& p) {
+    StateTerm state;
+    state.name = "load of u", state.part = p.problem.forms[0].part;
+    state.rate = u_value(0) * u_value(0), state.initial = 0.0, state.algebraic = true;
+    p.problem.states.push_back(state);
+    LoadTerm load;
+    load.part = state.part;
+    load.entries = {{slot::value(0), Expr::variable(slot::state(0))}};
+    p.problem.state_loads.push_back(load);
+  };
+  EXPECT_EQ(said(with), "");
+  EXPECT_EQ(said([&](Plan& p) {
+              with(p);
+              p.problem.forms[0].tensor.reset();
+              p.problem.forms[0].entries[0].coefficient = Expr::variable(slot::state(0));
+            }),
+            "a form reads `load of u`, which loads alone read");
+  EXPECT_EQ(said([&](Plan& p) {
+              with(p);
+              StateTerm late;
+              late.name = "late", late.rate = 1.0, late.initial = 0.0;
+              p.problem.states.push_back(late);
+            }),
+            "the state `late` stands behind an algebraic one");
+  EXPECT_EQ(said([&](Plan& p) {
+              with(p);
+              p.problem.states[0].rate = Expr::variable(slot::multiplier(0, 0));
+            }),
+            "a load reads unknowns, their rates, memories and gradients, only");
+}
+
 TEST(Validate, ASeriesIsThatOfItsKernel) {
   const PronySeries series{0.5, {1.0, 2.0}, {3.0, 0.25}};
   const auto with = [](const PronySeries& changed) {
