@@ -13,6 +13,7 @@ struct AtHand {
   int part = -1;                 ///< of the integral that is read
   int gap = -1;                  ///< the part whose gap the expression has read
   bool reads_multiplier = false; ///< the form term has `slip.xi` in it
+  bool reads_stress = false;     ///< it has sigma in it
   bool normal_missed = false;    ///< in the integral a normal was missed and reported
 };
 

@@ -29,9 +29,9 @@ struct Occurrences {
     for (const solver::Slot s : solver::slots_of(term.integrand.scalar())) {
       if (slot::is_test(s))
         tested[static_cast<std::size_t>(slot::unknown_of(s - slot::test(0)))] = true;
-      if (!slot::is_field(s) || term.right) continue;
+      if (!slot::is_field(s)) continue;
       const auto b = static_cast<std::size_t>(slot::unknown_of(slot::derivative_of(s)));
-      acts[b] = true;
+      acts[b] = acts[b] || !term.right; // a load that reads the unknown does not determine it
       rate[b] = rate[b] || solver::is_rate(slot::field_of(s));
     }
   }

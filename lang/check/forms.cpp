@@ -1,5 +1,6 @@
 #include "lang/check/forms.hpp"
 
+#include "lang/check/loads.hpp"
 #include "lang/diag/suggest.hpp"
 
 #include <fmt/format.h>
@@ -56,6 +57,7 @@ void Forms::form_term(const ast::FormTerm& term, bool right, bool source) {
   scope.what = right ? "a load" : "a form";
   scope.position = scope.time = scope.unknown = scope.test = true;
   scope.source = source;
+  scope.load = right && !source;
   scope.part = part.value_or(-1);
   const auto kind = part ? model_.parts[*part].kind : std::nullopt;
   scope.normal = part && (!kind || *kind == Group::Kind::facets);
@@ -79,7 +81,7 @@ void Forms::form_term(const ast::FormTerm& term, bool right, bool source) {
                : *w == "gauss"    ? Rule::gauss
                                   : Rule::exact;
   }
-  at_hand_.normal_missed = false;
+  at_hand_.normal_missed = at_hand_.reads_stress = false;
   if (!part) scope.normal = true; // its kind is unknown: no second complaint about u.nu
   at_hand_.part = part.value_or(-1);
   at_hand_.gap = -1;
@@ -100,13 +102,37 @@ void Forms::form_term(const ast::FormTerm& term, bool right, bool source) {
   if (source && (!check_integrand(out, term, true) || !sources_.take(out, integral.integrand.span)))
     return;
   if (!out.integrand.laws.empty() && !out.rule_given) out.rule = Rule::nodal;
-  if (!states_.take_time(out, integral.integrand.span) || !check_integrand(out, term, false) ||
-      !states_.states_of_form(out, integral.integrand.span))
+  if (reads_solution(out)) {
+    if (!check_integrand(out, term, true) || !check_load(out, integral.integrand.span)) return;
+  } else if (!states_.take_time(out, integral.integrand.span) ||
+             !check_integrand(out, term, at_hand_.reads_stress)) {
     return;
+  }
+  if (!states_.states_of_form(out, integral.integrand.span)) return;
   law_factors(out, term);
   model_.terms.push_back(std::move(out));
 }
 
+/// A load that is not linear in the solution is found at points of its own (StateTerm::algebraic).
+bool Forms::check_load(ModelTerm& load, const Span& span) {
+  load.integrand.materials.clear(); // it is no form
+  const auto refuse = [&](const std::string& what, const char* help) {
+    mistakes_.error("E0451", span, what, help);
+    return false;
+  };
+  if (load.rule_given)
+    return refuse("a load that reads the solution has points of its own",
+                  "leave out `rule`: they are Gauss's, or one in each cell where all is constant "
+                  "on it");
+  for (const solver::Slot s : solver::slots_of(load.integrand.scalar()))
+    if (slot::is_field(s) && slot::field_of(s) == solver::field_of_u(2))
+      return refuse(fmt::format("a load reads `{}''`",
+                                unknowns_.name_of(slot::unknown_of(slot::derivative_of(s)))),
+                    "it reads unknowns, their rates, memories and the gradients of all of them");
+  return true;
+}
+
+/// `source`: what is on the right may read the solution.
 bool Forms::check_integrand(const ModelTerm& term, const ast::FormTerm& written, bool source) {
   const ast::Expr& e = written.integral->integrand;
   const Field& f = term.integrand;

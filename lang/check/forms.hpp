@@ -23,6 +23,7 @@ public:
 private:
   std::optional<Symbol> form_factors(const ast::FormTerm& term);
   void form_term(const ast::FormTerm& term, bool right, bool source);
+  bool check_load(ModelTerm& load, const Span& span);
   bool check_integrand(const ModelTerm& term, const ast::FormTerm& written, bool source);
   void law_factors(ModelTerm& term, const ast::FormTerm& source);
 

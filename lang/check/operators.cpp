@@ -13,6 +13,10 @@ namespace hvi::lang {
 
 namespace {
 
+constexpr const char* forms_are_bilinear = "the forms of the inequality are bilinear; a nonlinear "
+                                           "law is a superpotential, and what a load "
+                                           "reads of the solution stands on the right";
+
 bool is_zero(const Field& f) {
   for (const Symbol& c : f.components)
     if (!c.is(0.0)) return false;
@@ -134,13 +138,15 @@ bool Operators::product_degrees(const Span& span, const Field& left, const Field
     return false;
   }
   if (left.trial != Degree::none && right.trial != Degree::none && !scope.may_be_nonlinear()) {
-    mistakes_.error(
-        "E0403", span, fmt::format("this product is not linear in {}", unknowns_.names()),
-        "the forms of the inequality are bilinear; a nonlinear law is a superpotential");
+    mistakes_.error("E0403", span,
+                    fmt::format("this product is not linear in {}", unknowns_.names()),
+                    forms_are_bilinear);
     return false;
   }
   out.test = left.test != Degree::none ? left.test : right.test;
-  out.trial = left.trial != Degree::none ? left.trial : right.trial;
+  out.trial = left.trial == Degree::none    ? right.trial
+              : right.trial == Degree::none ? left.trial
+                                            : Degree::nonlinear;
   out.rate = left.rate || right.rate;
   out.memory = left.memory || right.memory;
   out.read = left.read || right.read;
@@ -159,9 +165,8 @@ bool Operators::nonlinear_degrees(const Span& span, const std::string& what,
     }
     if (f->trial == Degree::none) continue;
     if (!scope.may_be_nonlinear()) {
-      mistakes_.error(
-          "E0403", span, fmt::format("{} is not linear in {}", what, unknowns_.names()),
-          "the forms of the inequality are bilinear; a nonlinear law is a superpotential");
+      mistakes_.error("E0403", span, fmt::format("{} is not linear in {}", what, unknowns_.names()),
+                      forms_are_bilinear);
       return false;
     }
     out.trial = Degree::nonlinear;

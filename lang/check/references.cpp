@@ -54,7 +54,10 @@ std::optional<Value> References::built_in_name(const ast::Expr& e, const std::st
     return vector_field(std::move(n));
   }
   if (name == "sigma") {
-    if (!scope.report) return hidden("it is a result", "it may stand in `report`");
+    if (!scope.report && !scope.load)
+      return hidden("it is a result",
+                    "it may stand in `report`, in rates and in loads on the right");
+    at_hand_.reads_stress = true;
     return stress(model_, unknowns_);
   }
   return std::nullopt;

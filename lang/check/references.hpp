@@ -12,7 +12,8 @@ class References {
 public:
   explicit References(const Context& context)
       : mistakes_(context.mistakes), names_(context.names), find_(context.find),
-        model_(context.model), unknowns_(context.unknowns), evaluator_(context.evaluator) {}
+        model_(context.model), unknowns_(context.unknowns), evaluator_(context.evaluator),
+        at_hand_(context.at_hand) {}
 
   Value reference(const ast::Expr& expr, const std::string& name, const Scope& scope);
 
@@ -27,6 +28,7 @@ private:
   const Model& model_;
   const Unknowns& unknowns_;
   Evaluator& evaluator_;
+  AtHand& at_hand_;
 };
 
 } // namespace hvi::lang

@@ -21,16 +21,17 @@ struct Scope {
   bool law = false;      ///< the body of a superpotential
   bool states = false;   ///< states of points
   bool source = false;   ///< a source that reads multipliers of laws, nonlinear in u as it likes
+  bool load = false;     ///< a load, nonlinear in u as it likes; sigma
   int part = -1;         ///< on which it is asked; -1: on no part that is said
   std::map<std::string, Value> locals;
   Span call; ///< the call that brought us into another file, if any
 
-  [[nodiscard]] bool may_be_nonlinear() const { return report || source; }
+  [[nodiscard]] bool may_be_nonlinear() const { return report || source || load; }
 
   /// The same things visible inside a function, whose arguments are its only locals.
   [[nodiscard]] Scope without_locals() const {
-    return {what,   position, time,   lag,    normal, unknown, test,
-            report, law,      states, source, part,   {},      call};
+    return {what, position, time,   lag,  normal, unknown, test, report,
+            law,  states,   source, load, part,   {},      call};
   }
 };
 

@@ -381,6 +381,22 @@ another picture: `picture sigma.xx, u.y`, or one at several times: `picture u.y 
 report picture layer deformed = 10)",
      R"(
 report picture layer)"},
+    {"E0451", "a load that reads the solution",
+     R"(
+A load stands on the right. Where it is not linear in the solution, as the heat of viscous flow or a
+reaction, it is found with each step, at Gauss's points of its part: it may read unknowns, their
+rates and memories, the gradients of all of them, `sigma`, and states inside the body, but no u'', and
+no multipliers. Linear terms are forms: on the left.)",
+     R"(
+find u in V, theta in W for t in [0, 1] by 8 steps from u = 0, theta = 0
+such that for all v in V, eta in W
+    integral(body, A : eps(u') : eps(v)) + integral(body, dot(grad(theta), grad(eta)))
+  = integral(body, (A : eps(u') : eps(u')) * eta, rule = nodal))",
+     R"(
+find u in V, theta in W for t in [0, 1] by 8 steps from u = 0, theta = 0
+such that for all v in V, eta in W
+    integral(body, A : eps(u') : eps(v)) + integral(body, dot(grad(theta), grad(eta)))
+  = integral(body, (A : eps(u') : eps(u')) * eta))"},
 });
 
 } // namespace

@@ -160,7 +160,8 @@ std::vector<EffectNote> effects(Model& model, const solver::Problem& problem) {
   add_pairs(model, problem, out);
   if (!any_normal) out.push_back(note(model, "normal law", {}, "no superpotential of a scalar"));
   if (!any_friction) out.push_back(note(model, "friction", {}, "no superpotential of a vector"));
-  for (std::size_t i = 0; i < problem.states.size(); ++i) out.push_back(note_of_state(problem, i));
+  for (std::size_t i = 0; i < problem.states.size(); ++i)
+    if (!problem.states[i].algebraic) out.push_back(note_of_state(problem, i));
   for (const ModelNote& found : model.notes)
     out.push_back(
         {found.name, found.taken ? State::on : State::off, model.origin(found.span), found.what});

@@ -1,6 +1,7 @@
 // Model to plan.
 #include "lang/lower/lower.hpp"
 
+#include "lang/check/loads.hpp"
 #include "lang/lower/at_rest.hpp"
 #include "lang/lower/common_points.hpp"
 #include "lang/lower/effects.hpp"
@@ -154,6 +155,10 @@ private:
       const int test = s_test - slot::test(0);
       const Symbol against = derivative(integrand, s_test);
       if (against.is(0.0)) continue;
+      if (term.right && !is_affine(against)) {
+        of_states.entries.push_back({test, value_of_load(term, test, against)});
+        continue;
+      }
       Symbol rest = against;
       std::vector<std::pair<solver::Slot, Symbol>> at_rest;
       for (solver::Slot s : solver::slots_of(against)) {
@@ -182,6 +187,34 @@ private:
     lower_load(term, std::move(load), plan_.problem.loads);
     lower_load(term, std::move(of_states), plan_.problem.state_loads);
     for (const LawUse& use : term.integrand.laws) lower_law(term, use);
+  }
+
+  /// What a load reads of the solution is an algebraic state: those that are the same, one.
+  Symbol value_of_load(const ModelTerm& term, int test, const Symbol& value) {
+    auto& states = plan_.problem.states;
+    const bool of_value = slot::is_value(test);
+    const std::string name = fmt::format("load of {}{}", of_value ? "" : "the gradient of ",
+                                         name_of(slot::unknown_of(test)));
+    const auto known = std::ranges::find_if(states, [&](const solver::StateTerm& state) {
+      return state.algebraic && state.part == term.part && state.name == name &&
+             state.rate == value;
+    });
+    const auto i = static_cast<int>(known - states.begin());
+    if (known == states.end()) {
+      solver::StateTerm state;
+      state.origin = origin(term.span);
+      state.name = name;
+      state.part = term.part;
+      state.rate = value;
+      state.initial = 0.0;
+      state.algebraic = true;
+      states.push_back(std::move(state));
+    }
+    return Symbol::variable(slot::state(i));
+  }
+
+  std::string name_of(int unknown) const {
+    return solver::unknowns_of(model_.space)[static_cast<std::size_t>(unknown)].name;
   }
 
   void lower_load(const ModelTerm& term, LoadTerm load, std::vector<LoadTerm>& loads) {

@@ -94,6 +94,59 @@ TEST(Lower, EntriesAddUpToTheIntegrands) {
   }
 }
 
+// What a load reads of the solution is an algebraic state, the same one where it is the same; what
+// is linear in the solution is none.
+TEST(Lower, LoadsReadTheSolutionAsAlgebraicStates) {
+  struct Case {
+    const char* load;
+    std::function<double(Values&)> value; ///< of the whole integrand
+    std::size_t states;
+  };
+  const auto u = [](Values& at, int i) { return at(slot::field(solver::field_of_u(0), i)); };
+  const auto v = [](Values& at, int i) { return at(slot::test(i)); };
+  const std::vector<Case> cases{
+      {"u.x*u.y*v.x", [&](Values& at) { return u(at, 0) * u(at, 1) * v(at, 0); }, 1},
+      {"sin(eps(u).xx)*v.x + v.y",
+       [&](Values& at) { return std::sin(at.strain_of_u(0, 0)) * v(at, 0) + v(at, 1); }, 1},
+      {"sign(u.x)*(v.x + v.y)",
+       [&](Values& at) { return std::copysign(1.0, u(at, 0)) * (v(at, 0) + v(at, 1)); }, 1},
+      {"(u.x + u.x^2)*(v.x - v.y)",
+       [&](Values& at) { return (u(at, 0) + u(at, 0) * u(at, 0)) * (v(at, 0) - v(at, 1)); }, 2},
+      {"tr(eps(u))^2*div(v)",
+       [&](Values& at) {
+         const double trace = at.strain_of_u(0, 0) + at.strain_of_u(1, 1);
+         return trace * trace * (at.strain_of_v(0, 0) + at.strain_of_v(1, 1));
+       },
+       1},
+      {"sigma.xx*v.y",
+       [&](Values& at) { return (7 * at.strain_of_u(0, 0) + 3 * at.strain_of_u(1, 1)) * v(at, 1); },
+       0},
+  };
+  std::mt19937 random(9);
+  for (const Case& one : cases) {
+    const auto plan =
+        plan_of(problem(2, tensor, form, fmt::format("integral(body, {})", one.load)));
+    EXPECT_EQ(solver::validate(plan, 2).size(), 0u) << one.load;
+    EXPECT_EQ(plan.problem.states.size(), one.states) << one.load;
+    Values at(random);
+    double sum = -balance(plan, "body", at);
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 2; ++j) sum += 4 * at.strain_of_u(i, j) * at.strain_of_v(i, j);
+    sum += 3 * (at.strain_of_u(0, 0) + at.strain_of_u(1, 1)) *
+           (at.strain_of_v(0, 0) + at.strain_of_v(1, 1));
+    for (const auto& load : plan.problem.state_loads)
+      for (const auto& entry : load.entries) {
+        std::vector<std::pair<solver::Slot, Symbol>> values;
+        for (std::size_t i = 0; i < plan.problem.states.size(); ++i) {
+          EXPECT_TRUE(plan.problem.states[i].algebraic);
+          values.emplace_back(slot::state(static_cast<int>(i)), plan.problem.states[i].rate);
+        }
+        sum += at.of(substitute(entry.value, values)) * at(slot::test(entry.test));
+      }
+    EXPECT_NEAR(sum, one.value(at), 1e-12 * 40) << one.load;
+  }
+}
+
 TEST(Lower, TermsThatFoldToZeroAreLeftOut) {
   const auto with =
       plan_of(problem(2, "param k = 0\n" + tensor, form + " + integral(body, k*u.x*v.x)",
