@@ -144,6 +144,34 @@ def judge_layer(folder):
     check("layer: all heat is the lid's work", near(final["heat"], final["pull_x"] * speed, 1e-8), f"{final['heat']} {final['pull_x'] * speed}")
 
 
+# A paste with a yield stress, at first at rest: what it dissipates is what drives it, and what the wall takes.
+PASTE = """
+mesh channel = rectangle(0.25, 1, cells = [2, 12])
+part wall = channel.top
+superpotential paste(xi) = 0.5*norm(xi)
+{slip}
+space V = scalar P1 on channel{held}
+space W = scalar P1 on channel, zero on wall
+find u in V, theta in W for t in [0, 1] by 4 steps from u = 0, theta = 0
+such that for all v in V, eta in W
+    integral(channel, 2*dot(grad(u), grad(v))) + integral(channel, paste^0(grad(u); grad(v))){law}
+  + integral(channel, theta'*eta + dot(grad(theta), grad(eta)))
+ >= integral(channel, 1.5*t*v) + integral(channel, (2*norm(grad(u))^2 + 0.5*norm(grad(u)))*eta)
+report
+  table heat = integral(channel, 2*norm(grad(u))^2 + 0.5*norm(grad(u))), work = integral(channel, 1.5*t*u){taken}, th = integral(channel, theta)
+"""
+
+
+def judge_paste(folder):
+    held = dict(slip="", held=", zero on wall", law="", taken="")
+    slides = dict(slip="superpotential slip(r) = 0.8*abs(r) + r^2", held="", law=" + integral(wall, slip^0(u; v))", taken=" - integral(wall, slip.xi*u)")
+    for name, scene in (("held", held), ("slides", slides)):
+        table = run(folder, PASTE.format(**scene))["table"]
+        gone = max(abs(a - b) for a, b in zip(table["heat"], table["work"]))
+        check(f"paste, {name}: all work is heat", gone < 1e-6 * table["heat"][-1], f"{table['heat']} {gone}")
+        check(f"paste, {name}: at rest at first, warm at last", abs(table["th"][0]) < 1e-15 and table["th"][-1] > 1e-4)
+
+
 # (1 + c |w'|^2) w' = 1 - x where w is held at 0.
 CONDUCTION = """
 param P = P1
@@ -247,6 +275,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         judge_blocks(folder)
         judge_layer(folder)
+        judge_paste(folder)
         judge_conduction(folder)
         check("end: values and gradients on a boundary", near(run(folder, END)["final"]["tip"], 1.0))
         judge_orders(folder)
