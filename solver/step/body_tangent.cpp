@@ -23,10 +23,12 @@ BodyTangent::BodyTangent(const Problem& problem, const Discretisation& d,
                          const PointStates& states)
     : d_(d), formulation_(formulation), evolution_(evolution), states_(states) {
   const auto& groups = formulation.contact().state_groups;
-  if (!std::ranges::all_of(groups, [](const StateGroup& group) { return group.body != nullptr; }))
-    return;
+  const auto in_body = [](const StateGroup& group) { return group.body != nullptr; };
+  const bool algebraic = std::ranges::any_of(problem.states, &StateTerm::algebraic);
+  if (!algebraic && !std::ranges::all_of(groups, in_body)) return;
   for (const auto& group : groups)
-    blocks_.push_back(std::make_unique<PointBlock>(as_block(group.body->points)));
+    blocks_.push_back(in_body(group) ? std::make_unique<PointBlock>(as_block(group.body->points))
+                                     : nullptr);
   for (const auto& [base, form] : formulation.operators().changing) add_form(base, *form);
   for (const LoadTerm& load : problem.state_loads) add_load(load);
 }

@@ -7,9 +7,10 @@
 //
 //   (1 + S R (K + G^T W D G)^-1 Q) dz = Z - z,
 //
-// S the slopes of the local solutions. Solved by minimal residuals (generalised conjugate
-// residuals, as in whole_time.hpp): a direction is a forward and backward solve with the factor at
-// hand.
+// S the slopes of the local solutions. Where loads read the solution, states at the points of laws
+// may stand beside them: these follow from one pass to the next, as if they changed no force.
+// Solved by minimal residuals (generalised conjugate residuals, as in whole_time.hpp): a direction
+// is a forward and backward solve with the factor at hand.
 #pragma once
 
 #include "solver/discrete/discretisation.hpp"
@@ -37,7 +38,8 @@ public:
   /// Keeps references to all of them.
   BodyTangent(const Problem& problem, const Discretisation& d, const Formulation& formulation,
               const Evolution& evolution, const PointStates& states);
-  /// The change da of the inputs. False: laws have states, too, or nothing was found.
+  /// The change da of the inputs. False: laws have states, too, and no load reads the solution, or
+  /// nothing was found.
   bool step(const BodyPass& pass, const StepMatrix& matrix, Vector& change);
   /// The same from inputs b of which the states at hand are made, z = Z(b), not from those of their
   /// solution: what is sought is b = R U(Z(b)), so that
@@ -79,7 +81,7 @@ private:
   const Formulation& formulation_;
   const Evolution& evolution_;
   const PointStates& states_;
-  std::vector<std::unique_ptr<PointBlock>> blocks_; ///< by group of states
+  std::vector<std::unique_ptr<PointBlock>> blocks_; ///< by group of states; null: not in a body
   std::vector<Part> parts_;
   std::vector<Direction> directions_;
   SparseMatrix q_, r_, s_;

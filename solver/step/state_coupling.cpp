@@ -242,11 +242,16 @@ private:
 
   /// Rates that begin at a threshold are steep on one side of it alone, so that a state which is as
   /// near as one can tell may leave much of its equation. What the solution makes of the states
-  /// takes their place, and the forces of their loads change by as little as these.
+  /// takes their place, and the forces of their loads change by as little as these. States at the
+  /// points of laws stay: the multipliers are those of their values.
   void keep_wanted() {
     if (problem_.state_loads.empty() || wanted_.size() == 0) return;
     const Here place = here();
-    contact_.state_values = wanted_;
+    for (const auto& group : contact_.state_groups)
+      for (const int i : group.states)
+        if (const int first = contact_.first_state[static_cast<std::size_t>(i)]; group.body)
+          contact_.state_values.segment(first, group.n_points) =
+              wanted_.segment(first, group.n_points);
     out_.equilibrium = renew_();
     solver_.laws.prepare(equation_.n, equation_.known);
     judge();

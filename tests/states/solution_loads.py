@@ -199,6 +199,35 @@ def judge_conduction(folder):
             check(f"conduction {mesh}, {order}", near(final["tip"], tip, part), f"{final['tip']} {tip}")
 
 
+# A steep reaction beside contact with Coulomb's friction and wear: as a load, and as a law at the same points.
+WEAR = """
+param c = 30
+mesh body = rectangle(1, 1, cells = [5, 5])
+part ground = body.bottom
+part roof = body.top
+tensor B = isotropic(young = 100, poisson = 0.3)
+superpotential layer(r) = 50*pos(r - 0.1*wear)^2
+superpotential slip(xi) = 0.3*abs(layer.xi)*norm(xi)
+{law}
+state wear on ground with rate 0.1*abs(layer.xi)*norm(u'.tau) from wear = 0
+space V = vector P1 on body, zero on roof
+space W = scalar P1 on body, zero on roof
+find u in V, theta in W with u = [t, -0.05] on roof for t in [0, 1] by 5 steps from u = [0, -0.05*y], theta = 0
+such that for all v in V, eta in W
+    integral(body, B : eps(u) : eps(v)) + integral(body, eps(u') : eps(v)) - integral(body, theta*div(v))
+  + integral(body, dot(grad(theta), grad(eta)) + theta'*eta) + integral(ground, layer^0(u.nu; v.nu) + slip^0(u'.tau; v.tau)){left}
+ >= integral(body, 30*eta){right}
+report
+  table th = theta at [0.6, 0.4], ux = u.x at [0.6, 0], w = integral(ground, wear)
+"""
+
+
+def judge_wear(folder):
+    load = run(folder, WEAR.format(law="", left="", right=" - integral(body, c*theta^3*eta)"))["final"]
+    law = run(folder, WEAR.format(law="superpotential cool(r) with slope c*r^3", left=" + integral(body, cool^0(theta; eta), rule = gauss)", right=""))["final"]
+    check("a steep load beside wear is the law", all(near(load[a], law[a], 1e-8) for a in ("th", "ux", "w")) and load["w"] > 1e-3, f"{load} {law}")
+
+
 # Values on a boundary, and the gradient of the cell behind it: w' = 1 - w^2 + sqrt(w') has w' = w = 1.
 END = """
 mesh bar = interval(1, cells = 4)
@@ -276,6 +305,7 @@ def main():
         judge_blocks(folder)
         judge_layer(folder)
         judge_paste(folder)
+        judge_wear(folder)
         judge_conduction(folder)
         check("end: values and gradients on a boundary", near(run(folder, END)["final"]["tip"], 1.0))
         judge_orders(folder)
