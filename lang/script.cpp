@@ -86,7 +86,8 @@ std::optional<int> load_import(Script& script, const ast::Import& import,
 void parse_script(Script& script) {
   auto text = script.text ? script.text : read_text(script.path);
   if (!text) {
-    report(script, "E0601", Span{}, why_unreadable(script.path, script.path));
+    report(script, "E0601", Span{}, why_unreadable(script.path, script.path),
+           meant_file("", script.path));
     return;
   }
   std::set<std::string> seen;

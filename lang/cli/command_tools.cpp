@@ -28,6 +28,10 @@ namespace hvi::lang {
 
 namespace {
 
+void tell_help(const std::string& help) {
+  if (!help.empty()) tell("  = help: {}\n", help);
+}
+
 bool rewritten(const std::string& path, const std::string& text) {
   try {
     solver::rewrite_file(path, text);
@@ -59,6 +63,7 @@ int format_command(const std::vector<std::string>& paths, bool only_check) {
     if (!text) {
       const Ending ending = ending_of(solver::FailureKind::missing_file);
       tell("error[{}]: {}\n", ending.code, why_unreadable(path, path));
+      tell_help(meant_file("", path));
       code = ending.exit;
       continue;
     }
@@ -190,6 +195,7 @@ int mesh_command(const std::string& path, const Options& options) {
   } catch (const solver::Failure& failure) {
     const Ending ending = ending_of(failure.kind);
     tell("error[{}]: {}\n", ending.code, failure.what());
+    tell_help(failure.help.empty() ? meant_file("", path) : failure.help);
     return ending.exit;
   }
 }

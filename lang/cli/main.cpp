@@ -6,6 +6,7 @@
 #include "lang/cli/say.hpp"
 #include "lang/cli/usage.hpp"
 #include "lang/diag/suggest.hpp"
+#include "lang/diag/unreadable.hpp"
 #include "solver/common/joined.hpp"
 #include "solver/common/out_of_memory.hpp"
 #include "solver/linear/blas_memory.hpp"
@@ -113,6 +114,8 @@ void no_command(std::string_view word, CLI::App& app) {
   std::string meant = hvi::lang::did_you_mean(word, commands);
   if (std::error_code none; std::filesystem::is_regular_file(std::string(word) + ".hvi", none))
     meant = fmt::format("did you mean `{}.hvi`?", word);
+  else if (meant.empty())
+    meant = hvi::lang::meant_file("", std::string(word));
   tell("hvi-run: `{}` is neither a command nor a script (FILE.hvi){}{}\n", word,
        meant.empty() ? "" : ": ", meant);
   tell("commands: {}; --help says more\n", hvi::solver::joined(commands));

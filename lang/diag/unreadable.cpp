@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace hvi::lang {
@@ -32,23 +33,63 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
   return out;
 }
 
+/// A folder below `at` as it was typed, or with the names that are there for those that are not.
+std::optional<fs::path> folder_meant(const fs::path& at, const fs::path& typed) {
+  fs::path out;
+  std::error_code problem;
+  for (const fs::path& part : typed) {
+    if (fs::is_directory(at / out / part, problem)) {
+      out /= part;
+      continue;
+    }
+    std::vector<std::string> known;
+    for (const fs::path& entry : entries_of(at / out))
+      if (fs::is_directory(entry, problem)) known.push_back(entry.filename().string());
+    const auto near = suggest(part.string(), known);
+    if (!near) return std::nullopt;
+    out /= *near;
+  }
+  return out;
+}
+
+/// The name of a file in `folder` that is most like the one typed: one of its ending first, then
+/// another script, then any.
+std::optional<std::string> file_meant(const fs::path& folder, const fs::path& typed) {
+  std::error_code problem;
+  std::vector<std::string> of_ending, scripts, files;
+  for (const fs::path& entry : entries_of(folder)) {
+    if (!fs::is_regular_file(entry, problem)) continue;
+    files.push_back(entry.filename().string());
+    if (entry.extension() == typed.extension()) of_ending.push_back(files.back());
+    if (entry.extension() == ".hvi") scripts.push_back(files.back());
+  }
+  if (std::ranges::find(files, typed.string()) != files.end()) return typed.string();
+  const auto of_stem = [&](const std::string& file) { // `laws` for `laws.hvi`
+    return typed.extension().empty() && fs::path(file).stem() == typed;
+  };
+  for (const auto* some : {&scripts, &files})
+    if (const auto found = std::ranges::find_if(*some, of_stem); found != some->end())
+      return *found;
+  if (typed.extension().empty())
+    if (auto near = suggest(typed.string() + ".hvi", scripts)) return near;
+  for (const auto* some : {&of_ending, &scripts, &files})
+    if (auto near = suggest(typed.string(), *some)) return near;
+  return std::nullopt;
+}
+
 } // namespace
 
 std::string meant_file(const std::string& folder, const std::string& name) {
   const fs::path at = fs::path(folder.empty() ? "." : folder);
   std::error_code problem;
   if (fs::exists(at / name, problem)) return {};
-  const fs::path own = fs::path(name).parent_path(), last = fs::path(name).filename();
+  const fs::path last = fs::path(name).filename();
   for (const fs::path& below : entries_of(at))
     if (fs::is_directory(below, problem) && fs::is_regular_file(below / last, problem))
       return fmt::format("did you mean `{}`?", (below.filename() / last).string());
-  std::vector<std::string> beside;
-  for (const fs::path& file : entries_of(at / own))
-    if (fs::is_regular_file(file, problem)) beside.push_back((own / file.filename()).string());
-  for (const std::string& file : beside) // `laws` for `laws.hvi`
-    if (last.extension().empty() && fs::path(file).stem() == last)
-      return fmt::format("did you mean `{}`?", file);
-  return did_you_mean(name, beside);
+  const auto own = folder_meant(at, fs::path(name).parent_path());
+  const auto file = own ? file_meant(at / *own, last) : std::nullopt;
+  return file ? fmt::format("did you mean `{}`?", (*own / *file).string()) : std::string();
 }
 
 std::string why_unreadable(const std::string& path, const std::string& name) {

@@ -52,6 +52,27 @@ WRONG = [
     ('"bar.msh"', '"bars.msh"', "E0601", "bar.msh"),
     ('"bar.msh"', '"deep.msh"', "E0601", "more/deep.msh"),
     ('"bar.msh"', '"nothing_like_it.msh"', "E0601", None),
+    ('"laws/own.hvi"', '"lawss/own.hvi"', "E0601", "laws/own.hvi"),
+    ('"laws/own.hvi"', '"lasw/owm.hvi"', "E0601", "laws/own.hvi"),
+    ('"laws/own.hvi"', '"somewhere/else.hvi"', "E0601", None),
+]
+# (words of the command line, exit code, what it is told to write)
+TYPED = [
+    (["run", "--no-files", "scrpt.hvi"], 1, "script.hvi"),
+    (["run", "--no-files", "script.hvl"], 1, "script.hvi"),
+    (["run", "--no-files", "script"], 1, "script.hvi"),
+    (["script.hv"], 2, "script.hvi"),
+    (["lwas/own.hvi"], 1, "laws/own.hvi"),
+    (["laws/owm"], 2, "laws/own.hvi"),
+    (["check", "script.hvi", "./other.hvi"], 1, "laws/other.hvi"),
+    (["plan", "pull.cs"], 1, "pull.csv"),  # any file where no script is like it
+    (["fmt", "scrpt.hvi"], 1, "script.hvi"),
+    (["mesh", "bra.msh"], 1, "bar.msh"),
+    (["mesh", "bar.mhs"], 1, "bar.msh"),
+    (["test", "scripts.hvi"], 5, "script.hvi"),
+    (["run", "--no-files", "nothing_like_it.hvi"], 1, None),
+    (["run", "--no-files", "none/of/these.hvi"], 1, None),
+    (["run", "--no-files", "laws"], 1, None),
 ]
 
 
@@ -76,6 +97,12 @@ def main():
             helps = re.findall(r"help: .*`(.+)`", err)
             if code != 1 or f"error[{wanted}]" not in err or (helps[:1] != [meant] if meant else helps):
                 failures.append(f"{old} => {new}: {err}")
+        (folder / "script.hvi").write_text(SCRIPT)
+        for words, wanted, meant in TYPED:
+            done = subprocess.run([PROGRAM, *words], cwd=folder, capture_output=True, text=True, timeout=60)
+            helps = re.findall(r"did you mean `(.+)`\?", done.stderr)
+            if done.returncode != wanted or helps != [meant] * bool(meant):
+                failures.append(f"{words}: exit code {done.returncode}\n{done.stderr}")
         (folder / "laws/other.hvi").write_text('import "third.hvi"\n')  # beside the file that imports it, not beside the script
         (folder / "laws/third.hvi").write_text("fn twice(a) = 2*a\n")
         code, out, err = checked(folder, SCRIPT.replace("laws/own", "laws/other"))
@@ -88,7 +115,7 @@ def main():
         if code != 1 or "error[E0302]" not in err:
             failures.append(f"a folder called stdlib: exit code {code}\n{out}{err}")
     print(*failures, sep="\n")
-    print(f"{len(WRONG) + 3} scripts, {len(failures)} failures")
+    print(f"{len(WRONG) + len(TYPED) + 3} calls, {len(failures)} failures")
     sys.exit(bool(failures))
 
 
