@@ -1,5 +1,5 @@
 // Ctrl-C (and SIGTERM, what batch systems send, and SIGHUP, of a terminal that closes): asks the
-// run to stop after the step; a second one ends the program at once.
+// run to stop; a second one ends the program at once.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace hvi::lang {
 
-/// What a run looks at before every step.
+/// What a run looks at before every step, and within steps where nothing would be lost.
 const std::atomic<bool>& stop_flag();
 
 /// While it lives, the first Ctrl-C only raises the flag.

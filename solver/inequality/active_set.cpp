@@ -41,8 +41,8 @@ constexpr double other_scales[] = {0.1, 10.0, 0.01};
 
 } // namespace
 
-ActiveSetNewton::ActiveSetNewton(TangentSolver& tangent, double tolerance)
-    : tangent_(tangent), tolerance_(tolerance) {}
+ActiveSetNewton::ActiveSetNewton(TangentSolver& tangent, const InequalityOptions& options)
+    : tangent_(tangent), options_(options) {}
 
 /// One linear solve about the present graph points; moves c, z and xi.
 MethodOutcome ActiveSetNewton::step(Position& at, bool settled, InequalityReport& report) {
@@ -76,6 +76,7 @@ MethodOutcome ActiveSetNewton::solve(Position& at, int limit, InequalityReport& 
   int tries = 0;
   bool settled = false;
   for (int k = 0; k < limit; ++k) {
+    if (options_.before_iteration) options_.before_iteration();
     if (const auto outcome = step(at, settled, report); outcome != MethodOutcome::solved)
       return outcome;
     state_before_ = at.places.state;
@@ -84,7 +85,7 @@ MethodOutcome ActiveSetNewton::solve(Position& at, int limit, InequalityReport& 
     for (int p = 0; p < at.points.size(); ++p) at.places.settle(p, at.c);
     at.update_arguments();
     const double ratio = certain_multipliers(at, k < 8 ? Snap::tight : Snap::certificate, trial_);
-    if (ratio <= at.balance.target() || (ratio <= tolerance_ && ratio > 0.25 * best)) {
+    if (ratio <= at.balance.target() || (ratio <= options_.tolerance && ratio > 0.25 * best)) {
       at.xi = trial_;
       return MethodOutcome::solved;
     }

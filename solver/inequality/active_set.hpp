@@ -11,14 +11,14 @@ enum class MethodOutcome { solved, failed, indefinite, left };
 
 class ActiveSetNewton {
 public:
-  ActiveSetNewton(TangentSolver& tangent, double tolerance);
+  ActiveSetNewton(TangentSolver& tangent, const InequalityOptions& options);
   MethodOutcome solve(Position& at, int limit, InequalityReport& report);
 
 private:
   MethodOutcome step(Position& at, bool settled, InequalityReport& report);
 
   TangentSolver& tangent_;
-  double tolerance_;
+  const InequalityOptions& options_;
   // Room for a solve.
   TangentStep step_;
   Vector dz_, trial_;

@@ -10,7 +10,7 @@ EngineParts::EngineParts(const ReducedProblem& problem, ReducedOperator& s,
     : options(options_given), points(problem, s, factors), pattern(points),
       at(points, s, s.aim() * options.tolerance), factor(points, pattern, s),
       tangent(points, pattern, factor), krylov(pattern, factor),
-      newton(s.iterative() ? static_cast<TangentSolver&>(krylov) : tangent, options.tolerance),
+      newton(s.iterative() ? static_cast<TangentSolver&>(krylov) : tangent, options),
       components(factor, newton, options), inverse(points, pattern, s, options),
       follower(points, pattern, factor, newton, components, options) {
   points.estimate_compliance(s, pattern.zero());

@@ -35,7 +35,7 @@ public:
   AugmentedProblem(Position& at, LastFactor& factor, const std::vector<RiseAndFall>* parts)
       : laws(at, parts), w_(at), factor_(factor) {}
   bool choose_theta(InequalityReport& report);
-  MethodOutcome minimise(int limit, InequalityReport& report);
+  MethodOutcome minimise(const InequalityOptions& options, InequalityReport& report);
   void update_multipliers();
 
   AugmentedLaws laws;
@@ -99,13 +99,15 @@ double AugmentedProblem::damping(const Line& line, double before) {
   return 1e-3;
 }
 
-MethodOutcome AugmentedProblem::minimise(int limit, InequalityReport& report) {
+MethodOutcome AugmentedProblem::minimise(const InequalityOptions& options,
+                                         InequalityReport& report) {
   const ReducedOperator& op = factor_.op();
   w_.balance.product.update(w_.c);
   w_.update_arguments();
   double best = std::numeric_limits<double>::infinity();
   Line line;
-  for (int k = 0, in_vain = 0; k < limit; ++k) {
+  for (int k = 0, in_vain = 0; k < options.max_iterations; ++k) {
+    if (options.before_iteration) options.before_iteration();
     const Errors& errors = gradient(true);
     const double ratio = errors.worst;
     if (ratio <= w_.balance.target()) return MethodOutcome::solved;
@@ -207,7 +209,7 @@ MethodOutcome solve_convex_parts(Position& at, LastFactor& factor, ActiveSetNewt
   Vector trial;
   RunningAway running(at);
   for (int outer = 0; outer < 80; ++outer) {
-    const auto inner = f.minimise(options.max_iterations, report);
+    const auto inner = f.minimise(options, report);
     if (inner == MethodOutcome::indefinite && f.laws.shrink >= 1.0) return inner;
     if (!parts && running.look()) return MethodOutcome::left;
     f.update_multipliers();

@@ -13,6 +13,7 @@
 #include "solver/law/law.hpp"
 #include "solver/linear/sparse.hpp"
 
+#include <functional>
 #include <iosfwd>
 #include <memory>
 #include <span>
@@ -113,6 +114,8 @@ struct InequalityOptions {
   int max_iterations = 200;
   Branch branch = Branch::continuing;
   bool force_fallback = false; ///< tests: the globally convergent method only
+  /// Called before every iteration of Newton's methods; what it throws ends the solve.
+  std::function<void()> before_iteration{};
 };
 
 /// With `least_energy`: no other state has less energy by more than this part of the energies

@@ -30,7 +30,8 @@ struct RunSettings {
   /// Told at once when a file cannot be written. The run goes on: see RunResult::unwritten.
   std::function<void(const std::string&)> warn;
   const std::atomic<bool>* stop = nullptr; ///< set by Ctrl-C: ends with Failure(interrupted), or
-                                           ///< Failure(suspended) where it saves its state
+                                           ///< Failure(suspended) where it saves its state. Heeded
+                                           ///< in the middle of a step where no state gets lost
   /// Every so many steps, at the end and on `stop` the state goes to <folder>/<name>.checkpoint;
   /// 0: never. `resume`: goes on from that file when it is there, with the same bits.
   int checkpoint_every = 0;

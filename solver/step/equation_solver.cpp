@@ -104,6 +104,7 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
   if (singles) of_singles.emplace(matrix);
   double last = infinity;
   while (out.corrections < most_changes) {
+    matrices.before_iteration();
     const bool first = out.corrections++ == 0;
     Correction made;
     if (first && !guessed)

@@ -6,6 +6,9 @@
 #include "solver/step/run_state.hpp"
 #include "solver/step/work.hpp"
 
+#include <functional>
+#include <utility>
+
 namespace hvi::solver {
 
 /// Asked at the first step, for all of them.
@@ -24,6 +27,12 @@ struct UniquenessVerdict {
 class Stepper {
 public:
   Stepper(const Plan& plan, const Discretisation& discretisation, Timing& timing);
+
+  /// Called before every iteration of a step. What it throws ends the step in the middle, and then
+  /// this stepper takes no other.
+  void call_before_iterations(std::function<void()> what) {
+    state_.solver.equations.matrices.call_before_iterations(std::move(what));
+  }
 
   /// Step n (1 .. steps). Without a certificate, or with a reason to start again, the state stays
   /// at step n - 1. Throws Failure(not_coercive).

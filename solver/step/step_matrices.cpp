@@ -18,10 +18,12 @@ constexpr std::uint64_t most_saved = 1000;
 /// may be null.
 std::unique_ptr<StepMatrix> new_matrix(const SolverOptions& options, const Formulation& formulation,
                                        const StepMatrix* like,
-                                       std::span<const RigidMotions> motions) {
+                                       std::span<const RigidMotions> motions,
+                                       std::function<void()> before_iteration) {
   InequalityOptions of_laws;
   of_laws.tolerance = options.tolerance;
   of_laws.branch = options.branch;
+  of_laws.before_iteration = std::move(before_iteration);
   auto out =
       std::make_unique<StepMatrix>(formulation.operators(), formulation.contact(), of_laws, like);
   out->set_entries(options.factor);
@@ -54,9 +56,9 @@ FoundMatrix StepMatrices::find(int n, const Vector& factors) {
     return {matrix, !same};
   }
   if (kept_.size() < most_)
-    kept_.insert(
-        kept_.begin(),
-        KeptMatrix{rate, length, new_matrix(plan_.options, formulation_, latest(), motions_)});
+    kept_.insert(kept_.begin(), KeptMatrix{rate, length,
+                                           new_matrix(plan_.options, formulation_, latest(),
+                                                      motions_, [this] { before_iteration(); })});
   else
     kept_.splice(kept_.begin(), kept_, std::prev(kept_.end()));
   auto& kept = kept_.front();
@@ -126,7 +128,8 @@ void StepMatrices::restore(std::istream& in) {
   const auto count = r.get_between<std::uint64_t>(0, most_saved);
   for (std::uint64_t i = 0; i < count; ++i) {
     const double rate = r.get<double>(), length = r.get<double>();
-    auto matrix = new_matrix(plan_.options, formulation_, latest(), motions_);
+    auto matrix =
+        new_matrix(plan_.options, formulation_, latest(), motions_, [this] { before_iteration(); });
     matrix->restore(in);
     kept_.push_back({rate, length, std::move(matrix)});
   }

@@ -7,7 +7,9 @@
 #include "solver/plan/plan.hpp"
 #include "solver/step/work.hpp"
 
+#include <functional>
 #include <list>
+#include <utility>
 
 namespace hvi::solver {
 
@@ -30,6 +32,8 @@ public:
   /// Keeps references to all of them.
   StepMatrices(const Plan& plan, const Discretisation& discretisation,
                const Formulation& formulation, const TimeScheme& scheme);
+  StepMatrices(const StepMatrices&) = delete; // its matrices call it
+  StepMatrices& operator=(const StepMatrices&) = delete;
 
   /// One that serves step n; else it is factored for the fields' factors in that step
   /// (Evolution::factors).
@@ -40,6 +44,12 @@ public:
   StepMatrix* latest() const { return kept_.empty() ? nullptr : kept_.front().matrix.get(); }
   /// All of them, in the order of use.
   std::vector<const SparseMatrix*> all() const;
+
+  /// Called before every iteration of a step, which ends by what it throws.
+  void call_before_iterations(std::function<void()> what) { before_iteration_ = std::move(what); }
+  void before_iteration() const {
+    if (before_iteration_) before_iteration_();
+  }
 
   /// Adds what factors cost, and the bytes they hold, to the counters and phases of a run.
   void account(WorkCounters& work, Timing& timing) const;
@@ -54,6 +64,7 @@ private:
   std::vector<RigidMotions> motions_; ///< that imposed values allow, by unknown
   const TimeScheme& scheme_;
   std::size_t most_;
+  std::function<void()> before_iteration_;
   std::list<KeptMatrix> kept_; ///< most recently used first
 };
 

@@ -37,6 +37,8 @@ std::array<int, 9> grown(const WorkCounters& w) {
           w.fallback_steps, w.followed_steps, w.inner_steps,       w.unfollowed_steps};
 }
 
+std::string interrupted_before(int step) { return fmt::format("interrupted before step {}", step); }
+
 } // namespace
 
 OneRun::OneRun(const Plan& plan, const Discretisation& discretisation, const RunSettings& settings,
@@ -67,6 +69,7 @@ OneRun::OneRun(const Plan& plan, const Discretisation& discretisation, const Run
 
 std::optional<Restart> OneRun::march() {
   if (ended_) return *ended_;
+  if (settings_.stop != nullptr) stepper_.call_before_iterations([this] { stop_within_step(); });
   LapClock<> clock;
   while (!at_end())
     if (auto restart = take_step(clock)) return restart;
@@ -89,9 +92,19 @@ std::optional<Restart> OneRun::take_step(LapClock<>& clock) {
   return std::nullopt;
 }
 
+/// The state before the step cannot be written any more: the step is finished first unless there is
+/// a file of that state, or none is wanted.
+void OneRun::stop_within_step() const {
+  const int last = state_.evolution.step();
+  if (!settings_.stop->load() || (settings_.checkpoint_every > 0 && last > 0 && last != saved_))
+    return;
+  throw Failure(saved_ > 0 ? FailureKind::suspended : FailureKind::interrupted, {},
+                interrupted_before(last + 1));
+}
+
 /// The user asked for it.
 void OneRun::stop_before(int step) {
-  const std::string what = fmt::format("interrupted before step {}", step);
+  const std::string what = interrupted_before(step);
   if (settings_.checkpoint_every == 0 || step == 1)
     throw Failure(FailureKind::interrupted, {}, what);
   if (checkpoint()) throw Failure(FailureKind::suspended, {}, what);
@@ -333,10 +346,12 @@ bool OneRun::checkpoint() {
     w.put(monitor_times_);
     monitor_->save(out);
   }
-  return reporter_.files().attempt([&] {
+  const bool written = reporter_.files().attempt([&] {
     write_checkpoint(checkpoint_path(settings_.output_folder, settings_.name), fingerprint_,
                      out.view());
   });
+  if (written) saved_ = state_.evolution.step();
+  return written;
 }
 
 void OneRun::restore_findings(std::istream& in) {
@@ -369,7 +384,7 @@ std::optional<HorizonEnd> OneRun::restore(std::istream& in) {
     monitor_times_ = r.get_vector<double>();
     monitor_->restore(in, monitor_times_.size(), state_);
   }
-  told_ = result_.resumed_from = state_.evolution.step();
+  told_ = result_.resumed_from = saved_ = state_.evolution.step();
   return std::nullopt;
 }
 

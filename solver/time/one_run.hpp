@@ -83,6 +83,7 @@ private:
   void go_on(const std::string& saved);
   bool checkpoint(); ///< is it written?
   [[noreturn]] void stop_before(int step);
+  void stop_within_step() const;
   /// Set: a memory cannot go on from there.
   std::optional<HorizonEnd> restore(std::istream& in);
   /// Rows of tables, the certificate, notes and counters.
@@ -97,6 +98,7 @@ private:
   Spared spared_;                   ///< by earlier runs' work, when this one began
   std::optional<HorizonEnd> ended_; ///< set: the saved state cannot be gone on from
   int told_ = 0;
+  int saved_ = 0; ///< the step whose state is in the checkpoint; 0: there is none
   RunResult result_;
   Stepper stepper_;
   const RunState& state_; ///< of the stepper

@@ -141,7 +141,7 @@ TEST(Parts, NewtonWithAndWithoutConjugateGradients) {
     LastFactor factor(points, pattern, *op);
     ConjugateGradients iterations(points, pattern, factor);
     ActiveSetNewton newton(with_iterations ? static_cast<TangentSolver&>(iterations) : factor,
-                           options.tolerance);
+                           options);
     InequalityReport report;
     at.load({});
     std::vector<Vector> path;

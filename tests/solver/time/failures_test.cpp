@@ -227,6 +227,19 @@ TEST(Certificate, InterruptedRunsKeepTheirState) {
   EXPECT_EQ(partial.steps, 3);
 }
 
+/// The start is told after the look at the flag before step 1.
+TEST(Certificate, RunsAreInterruptedInTheMiddleOfAStep) {
+  std::atomic<bool> stop = false;
+  RunSettings settings;
+  settings.stop = &stop;
+  settings.on_start = [&](double, const Vector&) { stop = true; };
+  RunResult partial;
+  const auto failure = failure_of(slab(4, 8), settings, &partial);
+  EXPECT_EQ(failure.kind, FailureKind::interrupted);
+  EXPECT_STREQ(failure.what(), "interrupted before step 1");
+  EXPECT_EQ(partial.steps, 0);
+}
+
 // The work is not thrown away: the result says what is not on the disk.
 TEST(Output, AFolderThatCannotBeMadeIsToldWithTheResult) {
   const auto file = std::filesystem::path(testing::TempDir()) / "hvi_a_file";
