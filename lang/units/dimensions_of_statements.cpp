@@ -261,13 +261,14 @@ void DimensionsOfStatements::table(const ast::TableItem& item) {
   for (const ast::Binding& b : item.columns) {
     const auto* c = std::get_if<ast::Call>(&b.value.node);
     const auto* callee = c ? std::get_if<ast::Reference>(&c->callee->node) : nullptr;
-    // norm(u) alone is the norm of V: not a pointwise quantity, and told without a unit.
+    // norm(u) alone is the norm of V: not a pointwise quantity.
     const auto* of = callee && callee->name == "norm" && !b.point && c->arguments.size() == 1
                          ? std::get_if<ast::Reference>(&c->arguments[0].value.node)
                          : nullptr;
-    const bool norm_of_space = of != nullptr && names_.unknown(of->name).has_value();
+    const auto unknown = of != nullptr ? names_.unknown(of->name) : std::nullopt;
     const Measured now = values_.value(b.value, {});
-    if (now.dimension && !norm_of_space) names_.of_column[b.name.text] = *now.dimension;
+    const auto dimension = unknown ? names_.norm_of_space(*unknown) : now.dimension;
+    if (now.dimension && dimension) names_.of_column[b.name.text] = *dimension;
     if (b.point) wants_each(*b.point, length(), "the coordinates of a point");
     if (b.time) wants_each(*b.time, duration(), "the time");
   }

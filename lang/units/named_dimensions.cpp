@@ -1,5 +1,7 @@
 #include "lang/units/named_dimensions.hpp"
 
+#include "solver/plan/problem.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -90,6 +92,16 @@ Dimension NamedDimensions::measure_of(const std::string& part) {
   }
   if (declared_as<ast::Mesh>(part)) return length().to(dim);
   return of_measure_.try_emplace(part, inference_.fresh()).first->second;
+}
+
+/// sqrt(int eps(u) : eps(u) dx)
+std::optional<Dimension> NamedDimensions::norm_of_space(std::size_t unknown) {
+  const solver::SpaceSpec& space = model_.space;
+  const bool held = std::ranges::any_of(space.dirichlet, [&](const solver::DirichletSpec& one) {
+    return static_cast<std::size_t>(one.unknown) == unknown;
+  });
+  if (!held && !solver::unknowns_of(space)[unknown].vector) return std::nullopt;
+  return of_unknown[unknown] / length() * measure_of({}).to(Rational(1, 2));
 }
 
 /// Every integral over the unknown's test function.

@@ -51,6 +51,8 @@ public:
 
   /// Of a part by its name, of the cells without one.
   Dimension measure_of(const std::string& part);
+  /// Of the norm of its space: none where that adds values to gradients (SpaceNorm).
+  std::optional<Dimension> norm_of_space(std::size_t unknown);
   /// What an unknown's equation is in.
   Dimension force(std::size_t unknown) const;
   std::optional<Dimension> stress();

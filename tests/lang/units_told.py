@@ -39,7 +39,7 @@ report
 study vary E in [70, 80] [GPa]
 """
 PLAIN = [(" [mm]", ""), (" [s]", ""), ("70 [GPa]", "70e3"), ("100 [MPa/mm]", "100"), ("-78.5 [kN/m^3]*t/(1)", "-78.5e-6*t"), ("1 [GPa*s]", "1e3"), ("0.5 [MPa/(mm*s)]", "0.5"), ("[70, 80] [GPa]", "[70e3, 80e3]")]
-TABLE = {"t": "s", "tip": "mm", "s": "MPa", "R_x": "N/mm", "R_y": "N/mm", "N": None, "ratio": "1"}
+TABLE = {"t": "s", "tip": "mm", "s": "MPa", "R_x": "N/mm", "R_y": "N/mm", "N": "mm", "ratio": "1"}
 LINE = {"distance": "mm", "x": "mm", "y": "mm", "u.x": "mm", "u.y": "mm", "sigma.yy": "MPa"}
 FIELDS = {"u": "mm", "sigma": "MPa", "eps_u": "1", "u_rate": "mm/s", "TimeValue": "s", "Points": "mm", "layer.xi": "MPa"}
 
@@ -147,7 +147,7 @@ def studied(folder, text):
 
 def studies(folder):
     head, result, out = studied(folder, SCRIPT)
-    check("heads of a study", [name.strip() for name in head if name][:6] == ["E [GPa]", "tip [mm]", "s [MPa]", "R_x [N/mm]", "R_y [N/mm]", "N"], head)
+    check("heads of a study", [name.strip() for name in head if name][:6] == ["E [GPa]", "tip [mm]", "s [MPa]", "R_x [N/mm]", "R_y [N/mm]", "N [mm]"], head)
     units = {name: unit for name, unit in told(out / "study.csv").items() if unit}
     columns = {**{name: unit for name, unit in TABLE.items() if name != "t" and unit}, "depth": "mm"}
     check("units of study.csv", units == {"E": "GPa", "cpu": "s", "wall": "s", **columns, **{name + "_error": unit for name, unit in columns.items()}}, units)
@@ -178,6 +178,18 @@ def several(folder):
     units = told(out / "slab.csv")
     check("by position and by name", [units[c] for c in ("flow", "again", "heat", "force_x")] == ["mW/mm", "mW/mm", "mm*K", "N/mm"], units)
     check("each column has its own", told(out / "slab.csv")["warmth"] == "K" and told(out / "slab.csv")["tip"] == "mm")
+
+
+def norms(folder):
+    """The root of an integral of squares of gradients: so it depends on the dimension, and of a scalar that nothing holds there are values beside them."""
+    solid = SCRIPT.replace("rectangle(20 [mm], 10 [mm], cells = [4, 2])", "box(20 [mm], 10 [mm], 10 [mm], cells = [2, 1, 1])").replace("dot([0, -78.5 [kN/m^3]*t/(1 [s])], v)", "dot([0, -78.5 [kN/m^3]*t/(1 [s]), 0], v)")
+    solid = re.sub(r"\[(\d+), (\d+)\] \[mm\]", r"[\1, \2, 0] [mm]", re.sub("  (line|picture|table depth).*\n", "", solid))
+    for held, unit in (("", None), (", zero on left", "mm^(1/2)*K")):
+        warm = solid.replace("space V", f"space W = scalar P1 on slab{held}\nspace V").replace("find u in V", "find u in V, theta [K] in W").replace("for all v in V", "for all v in V, q in W")
+        warm = warm.replace("    integral(slab, B", "    integral(slab, 1 [W/(m*K)]*dot(grad(theta), grad(q)) + 1 [W/(m^3*K)]*theta*q) + integral(slab, B").replace("norm(u)", "norm(u), heat = norm(theta)")
+        out, _ = run(folder, warm)
+        units = told(out / "slab.csv")
+        check(f"norms in space {held}", (units["N"], units["heat"]) == ("mm^(3/2)", unit), units)
 
 
 def same_names(folder):
@@ -215,6 +227,7 @@ with tempfile.TemporaryDirectory() as place:
     studies(FOLDER)
     stable(FOLDER)
     several(FOLDER)
+    norms(FOLDER)
     same_names(FOLDER)
     overwritten(FOLDER)
 print("units told:", "ok" if not failures else "\n".join(failures))
