@@ -55,6 +55,12 @@ Symbol normal_across(const Symbol& across) {
 
 Symbol shear_across(const Symbol& across, int i) { return derivative(across, of_shear(i)); }
 
+std::vector<Symbol> entries_across_plane(const Field& f) {
+  if (f.rank != 2 || f.rows != 2 || f.columns != 2 || f.across.empty()) return {};
+  const Symbol& across = f.across[0];
+  return {normal_across(across), shear_across(across, 0), shear_across(across, 1)};
+}
+
 Symbol strain_across(int unknown) {
   return Symbol::variable(slot::test(slot::of_unknown(unknown, slot::hoop)));
 }

@@ -22,6 +22,8 @@ std::vector<Symbol> across_of_tensor(const solver::TensorSpec& tensor);
 /// The stress zz of what is known across a plane, and its shear iz, i < 2.
 Symbol normal_across(const Symbol& across);
 Symbol shear_across(const Symbol& across, int i);
+/// The entries zz, xz, yz of a matrix in plane strain where they are known; of anything else none.
+std::vector<Symbol> entries_across_plane(const Field& f);
 /// The strain zz of the test function of an unknown.
 Symbol strain_across(int unknown);
 /// The factor of the strain zz of an unknown's test function in a scalar linear in all of them;

@@ -1,5 +1,6 @@
 #include "lang/check/checker.hpp"
 
+#include "lang/check/stress.hpp"
 #include "lang/check/unheeded.hpp"
 #include "lang/syntax/tree_names.hpp"
 
@@ -71,6 +72,7 @@ std::optional<Model> Checker::run() {
   if (!mistakes_.has_errors()) {
     check_unused();
     tell_unheeded_settings(*find_, model_, mistakes_);
+    tell_stress_of_laws(programs_.front(), model_, unknowns_, mistakes_);
   }
   if (options_.on_name) tell_facts();
   if (mistakes_.has_errors() || !find_) return std::nullopt;

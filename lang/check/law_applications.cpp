@@ -62,9 +62,10 @@ double as_before(const std::vector<std::vector<solver::SeenField>>& rows, int fi
 std::optional<std::set<int>> LawApplications::law_fields(const ast::Clarke& clarke,
                                                          const Field& at) {
   std::set<int> out;
-  const bool inside =
-      at_hand_.part >= 0 &&
-      model_.parts[static_cast<std::size_t>(at_hand_.part)].kind == solver::Group::Kind::cells;
+  using Kind = solver::Group::Kind;
+  const auto kind =
+      at_hand_.part < 0 ? std::nullopt : model_.parts[static_cast<std::size_t>(at_hand_.part)].kind;
+  const bool inside = kind.value_or(Kind::cells) == Kind::cells; // unknown: no second complaint
   for (const Symbol& component : at.components)
     for (const solver::Slot s : solver::slots_of(component)) {
       if (!slot::is_field(s)) continue;

@@ -40,6 +40,8 @@ Field multiplier_of(const LawUse& use, bool radial, int application) {
   Field out = !radial            ? scalar_field(xi[0])
               : use.columns == 0 ? vector_field(xi)
                                  : matrix_field(n / use.columns, use.columns, xi);
+  // A law of a matrix in the plane sees no strain across it, so that it has no stress there either.
+  if (out.rank == 2 && out.rows == 2 && out.columns == 2) out.across = {Symbol(0.0)};
   out.trial = Degree::nonlinear;
   return out;
 }

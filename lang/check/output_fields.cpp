@@ -1,5 +1,6 @@
 #include "lang/check/output_fields.hpp"
 
+#include "lang/check/across.hpp"
 #include "lang/check/pairs.hpp"
 #include "lang/check/probes.hpp"
 
@@ -77,6 +78,7 @@ std::optional<solver::FieldSpec> OutputFields::output_field(const ast::Expr& e) 
   solver::FieldSpec spec;
   spec.origin = model_.origin(e.span);
   spec.components = f->components;
+  spec.across = entries_across_plane(*f);
   spec.name = name_of(e, f->components);
   return spec;
 }

@@ -1,8 +1,15 @@
 #include "lang/check/stress.hpp"
 
 #include "lang/check/across.hpp"
+#include "lang/syntax/tree_names.hpp"
 #include "solver/kernel/algebra.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -24,7 +31,56 @@ void put_time(const Model& model, Field& out) {
     for (Symbol& entry : *all) entry = substitute(entry, times);
 }
 
+/// Names that reports and rates of states read, and where the first `sigma` of them stands.
+struct NamesOfResults {
+  std::set<std::string> all;
+  std::optional<Span> stress;
+  bool stress_in_rate = false;
+};
+
+NamesOfResults names_of_results(const ast::Program& script) {
+  NamesOfResults out;
+  for (const ast::Statement& statement : script.statements) {
+    const bool rate = std::holds_alternative<ast::State>(statement);
+    if (!rate && !std::holds_alternative<ast::Report>(statement)) continue;
+    NameVisitor visitor;
+    visitor.use = [&](const std::string& name, const Span& span) {
+      out.all.insert(name);
+      if (name == "sigma" && span.valid() && !out.stress) // a page asks for it without a place
+        out.stress = span, out.stress_in_rate = rate;
+    };
+    visitor.column = [](const std::string&, const Span&) {};
+    visitor.argument = [](const std::string&, const ast::Name&) {};
+    visit_names(statement, visitor);
+  }
+  return out;
+}
+
 } // namespace
+
+void tell_stress_of_laws(const ast::Program& script, const Model& model, const Unknowns& unknowns,
+                         Mistakes& mistakes) {
+  const NamesOfResults names = names_of_results(script);
+  if (!names.stress) return;
+  for (const ModelTerm& term : model.terms)
+    for (const LawUse& use : term.integrand.laws) {
+      if (!use.sees_gradient() || use.unknown != unknowns.first_vector() ||
+          names.all.contains(use.name))
+        continue;
+      mistakes.add(
+          diagnose("W0111", *names.stress,
+                   fmt::format("`sigma` is without the stress that the law `{}` adds", use.name))
+              .with_secondary(use.span, "it acts inside the body")
+              .with_help(names.stress_in_rate
+                             ? fmt::format("it is the stress of the forms; `{}.xi` is not known in "
+                                           "the rate of a body's state",
+                                           use.name)
+                             : fmt::format("that is `{0}.xi`, of the shape of the law's argument: "
+                                           "where that is eps({1}), `sigma + {0}.xi` is the whole",
+                                           use.name, unknowns.name_of(use.unknown))));
+      return;
+    }
+}
 
 Field stress(const Model& model, const Unknowns& unknowns) {
   const int unknown = unknowns.first_vector();

@@ -84,6 +84,15 @@ last one. Not said where parameters have other values than the script gives them
 find u in V for t in [0, 1] by 8 steps from u = 0 ... report table a = u.y at [1, 0] expect a at t = 0.3 = 0 within 1e-9)",
      R"(
 find u in V for t in [0, 1] by 10 steps from u = 0 ... report table a = u.y at [1, 0] expect a at t = 0.3 = 0 within 1e-9)"},
+    {"W0111", "stress of a law",
+     R"(
+`sigma` is the sum of what is contracted with `eps(v)` in the forms. A law inside the body, `integral(body, j^0(eps(u); eps(v)))`,
+adds its multiplier to the stress, `j.xi`, which lives at the points of the law and is not in `sigma`, nor in `mises(sigma)`, pictures and
+rates of states: the whole stress is `sigma + j.xi`. Said once, at the first `sigma`, where no result reads `j.xi`.)",
+     R"(
+... integral(body, B : eps(u) : eps(v) + paste^0(eps(u); eps(v))) ... report table s = sigma.xy at [1, 0])",
+     R"(
+... integral(body, B : eps(u) : eps(v) + paste^0(eps(u); eps(v))) ... report table s = sigma.xy + paste.xi.xy at [1, 0])"},
     {"W0601",
      "picture not drawn",
      R"(

@@ -127,8 +127,8 @@ inline auto fields_of(const TableSpec& of) {
   return std::tie(probes, every, from_start, file);
 }
 inline auto fields_of(const FieldSpec& of) {
-  const auto& [name, origin, components, unit] = of;
-  return std::tie(name, components, unit);
+  const auto& [name, origin, components, unit, across] = of;
+  return std::tie(name, components, unit, across);
 }
 inline auto fields_of(const FieldsSpec& of) {
   const auto& [origin, fields, every, from_start, file] = of;

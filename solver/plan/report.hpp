@@ -43,6 +43,8 @@ struct FieldSpec {
   Origin origin;
   std::vector<Expr> components;
   std::string unit{}; ///< as of a probe
+  /// Of a 2 x 2 matrix in plane strain: zz, xz, yz, which files have; empty: not known.
+  std::vector<Expr> across{};
 };
 struct FieldsSpec {
   Origin origin;

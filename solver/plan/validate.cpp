@@ -365,8 +365,10 @@ private:
     const bool tensor = n == dim_ * dim_ || (n == 9 && problem_.mesh.axisymmetric);
     if (n != 1 && n != dim_ && !tensor)
       wrong(origin, fmt::format("the field `{}` has {} components", field.name, n));
-    for (const auto& component : field.components)
-      variables(component, of_report, origin, "a field");
+    if (!field.across.empty() && (n != 4 || field.across.size() != 3))
+      wrong(origin, fmt::format("the field `{}` is no stress of plane strain", field.name));
+    for (const auto* entries : {&field.components, &field.across})
+      for (const auto& entry : *entries) variables(entry, of_report, origin, "a field");
   }
 
   void every(int steps, Origin origin) {

@@ -73,6 +73,55 @@ VtuGrid entity_grid(const Space& space, const Region& region,
   return grid;
 }
 
+/// Which points of a grid have a weight, of those that a sampler's points are.
+std::vector<char> with_weight(const VtuGrid& grid, const LawSampler& sampler,
+                              std::span<const std::int64_t> grid_point) {
+  std::vector<char> out(grid.points.size(), 0);
+  for (std::size_t p = 0; p < grid_point.size(); ++p)
+    if (sampler.points().weight[p] > 0.0) out[static_cast<std::size_t>(grid_point[p])] = 1;
+  return out;
+}
+
+/// Nodal rules have no weight at vertices of P2 on triangles and tetrahedra, nor on an axis: each
+/// of these points with the middles of its edges, or with their other ends, where there is
+/// something.
+std::vector<std::array<std::int64_t, 2>> beside_bare_points(const VtuGrid& grid,
+                                                            std::span<const char> known) {
+  const auto n = static_cast<std::size_t>(nodes_of(grid.cell));
+  const bool quadratic = grid.cell == VtkCell::quadratic_edge ||
+                         grid.cell == VtkCell::quadratic_triangle ||
+                         grid.cell == VtkCell::quadratic_tetra;
+  const int dim = grid.cell == VtkCell::line || grid.cell == VtkCell::quadratic_edge ? 1
+                  : n == 3 || grid.cell == VtkCell::quadratic_triangle               ? 2
+                                                                                     : 3;
+  std::vector<std::array<std::int64_t, 2>> out;
+  if (n == 1) return out;
+  const auto& edges = vtk_edges(dim);
+  for (std::size_t cell = 0; cell < grid.connectivity.size(); cell += n)
+    for (std::size_t e = 0; e < edges.size(); ++e)
+      for (const std::size_t k : {0, 1}) {
+        const auto node = [&](int i) {
+          return grid.connectivity[cell + static_cast<std::size_t>(i)];
+        };
+        const std::int64_t bare = node(edges[e][k]), end = node(edges[e][1 - k]);
+        const std::int64_t middle = quadratic ? node(dim + 1 + static_cast<int>(e)) : end;
+        if (known[static_cast<std::size_t>(bare)]) continue;
+        for (const std::int64_t other : {middle, end})
+          if (known[static_cast<std::size_t>(other)]) {
+            out.push_back({bare, other});
+            break;
+          }
+      }
+  return out;
+}
+
+/// Of n values each, those with a weight.
+void divide_by(std::span<const double> weights, std::size_t n, std::span<double> values) {
+  for (std::size_t g = 0; g < weights.size(); ++g)
+    for (std::size_t c = 0; c < n; ++c)
+      if (weights[g] > 0.0) values[g * n + c] /= weights[g];
+}
+
 /// A vertex per quadrature point.
 VtuGrid point_grid(const PointBlock& points) {
   VtuGrid grid;
@@ -116,10 +165,24 @@ std::vector<FieldSpec> unknown_fields(const Problem& problem, int dim) {
   return out;
 }
 
+namespace {
+
+/// With what matrices have across the plane.
+FieldSpec in_space(FieldSpec field) {
+  if (field.across.empty()) return field;
+  const auto &in = field.components, &out = field.across;
+  field.components = {in[0], in[1], out[1], in[2], in[3], out[2], out[1], out[2], out[0]};
+  return field;
+}
+
+} // namespace
+
 FieldGrids::FieldGrids(const Problem& problem, const Discretisation& d, const Contact& contact,
-                       std::span<const FieldSpec> fields, OfStates of_states)
+                       std::span<const FieldSpec> asked, OfStates of_states)
     : space_(d.space), contact_(contact), n_fields_(count_fields(problem)),
       grey_(of_states == OfStates::on_the_mesh) {
+  std::vector<FieldSpec> fields(asked.begin(), asked.end());
+  std::ranges::transform(fields, fields.begin(), in_space);
   const auto on_mesh = [&](const FieldSpec& field) {
     return of_states == OfStates::on_the_mesh && StateField::is_one(problem, contact, field);
   };
@@ -133,14 +196,24 @@ FieldGrids::FieldGrids(const Problem& problem, const Discretisation& d, const Co
       add_parts(problem, d, field);
 }
 
-/// On the part of a law, or on every part whose states it reads.
+/// On every part of a law, or on every part whose states it reads.
 void FieldGrids::add_parts(const Problem& problem, const Discretisation& d,
                            const FieldSpec& field) {
   const auto parts = parts_of_states(problem, contact_, field.components);
-  if (parts.size() < 2) return add_on_contact(problem, d, field, -1, field.name);
-  for (const int part : parts)
-    add_on_contact(problem, d, field, part,
-                   field.name + "_" + problem.parts[static_cast<std::size_t>(part)].name);
+  const auto name_on = [&](int part) {
+    return field.name + "_" + problem.parts[static_cast<std::size_t>(part)].name;
+  };
+  if (parts.size() < 2) {
+    auto all = on_parts_of_laws(problem, field.components);
+    for (auto& here : all) {
+      FieldSpec one = field;
+      one.components = std::move(here);
+      add_on_contact(problem, d, one, -1, field.name);
+      if (all.size() > 1) grids_.back().name = name_on(contact_parts_.back().sampler.part());
+    }
+    return;
+  }
+  for (const int part : parts) add_on_contact(problem, d, field, part, name_on(part));
 }
 
 void FieldGrids::add_on_contact(const Problem& problem, const Discretisation& d,
@@ -159,6 +232,7 @@ void FieldGrids::add_on_contact(const Problem& problem, const Discretisation& d,
   } else if (std::ranges::all_of(nodes, [](auto node) { return node >= 0; })) {
     grid = entity_grid(d.space, region, point_of_node);
     for (const auto node : nodes) part.grid_point.push_back(point_of_node[node]);
+    part.beside = beside_bare_points(grid, with_weight(grid, part.sampler, part.grid_point));
   } else {
     grid = point_grid(part.sampler.points());
     for (std::int64_t p = 0; p < part.sampler.size(); ++p) part.grid_point.push_back(p);
@@ -224,7 +298,7 @@ void FieldGrids::add_state_array(StateField& one, const Snapshot& snapshot) {
 }
 
 /// Where several points share a grid point (a corner with two normals) or a cell: their weighted
-/// mean.
+/// mean. Where there is none: the mean of those beside it.
 void FieldGrids::fill_contact(OnContact& part, VtuGrid& grid, const Snapshot& snapshot) const {
   auto& sampler = part.sampler;
   const auto n = static_cast<std::size_t>(part.field.components.size());
@@ -241,9 +315,15 @@ void FieldGrids::fill_contact(OnContact& part, VtuGrid& grid, const Snapshot& sn
     for (std::size_t c = 0; c < n; ++c)
       values[part.grid_point[p] * n + c] += weight * at_points[c * size + p];
   }
-  for (std::size_t g = 0; g < weights.size(); ++g)
+  divide_by(weights, n, values);
+  weights.assign(weights.size(), 0.0);
+  for (const auto& [bare, known] : part.beside) {
+    weights[static_cast<std::size_t>(bare)] += 1.0;
     for (std::size_t c = 0; c < n; ++c)
-      if (weights[g] > 0) values[g * n + c] /= weights[g];
+      values[static_cast<std::size_t>(bare) * n + c] +=
+          values[static_cast<std::size_t>(known) * n + c];
+  }
+  divide_by(weights, n, values);
   auto& data = in_body ? grid.cell_data : grid.point_data;
   data.assign(1, vtk_array(part.field.name, static_cast<int>(n), values));
   data.back().unit = part.field.unit;

@@ -5,6 +5,7 @@
 #include "solver/output/field_frame.hpp"
 #include "solver/results/state_field.hpp"
 
+#include <array>
 #include <span>
 
 namespace hvi::solver {
@@ -29,6 +30,8 @@ private:
     FieldSpec field;
     LawSampler sampler;
     std::vector<std::int64_t> grid_point; ///< of each point of the sampler; in a body: its cell
+    /// Grid points where the sampler has no weight, each with those beside it where it has.
+    std::vector<std::array<std::int64_t, 2>> beside{};
   };
   void add_parts(const Problem& problem, const Discretisation& d, const FieldSpec& field);
   void add_on_contact(const Problem& problem, const Discretisation& d, const FieldSpec& field,

@@ -12,6 +12,8 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <set>
+#include <utility>
 
 namespace hvi::solver {
 namespace {
@@ -88,6 +90,14 @@ bool contains(const Mesh& mesh, int cell, const Point& x) {
   return std::all_of(at.begin(), at.begin() + mesh.dim + 1, [](double b) { return b >= outside; });
 }
 
+/// "; the nearest is (1, 0)", for the points at a few of which there is something.
+std::string nearest_to(const LawPoints& points, const Point& place, int dim) {
+  const auto nearest =
+      std::ranges::min_element(points.x, {}, [&](const Point& x) { return distance(x, place); });
+  if (points.kind == Group::Kind::cells || nearest == points.x.end()) return {};
+  return fmt::format("; the nearest is {}", describe_point(*nearest, dim));
+}
+
 /// The points of a law at a place; those of a body in the cells there.
 std::vector<int> points_near(const Mesh& mesh, const LawPoints& points, const Point& place) {
   std::vector<int> out;
@@ -97,6 +107,30 @@ std::vector<int> points_near(const Mesh& mesh, const LawPoints& points, const Po
                                           : distance(points.x[p], place) <= near)
       out.push_back(p);
   return out;
+}
+
+bool is_of_same_law(const LawTerm& a, const LawTerm& b) {
+  return a.law == b.law && a.name == b.name && a.rows.size() == b.rows.size();
+}
+
+/// Multipliers of a law that acts on several parts: those of the first that has the place, where
+/// the one that is written has not.
+Expr at_parts_of(const Problem& problem, const Mesh& mesh, const Contact& contact,
+                 const Expr& expression, const Point& place) {
+  std::vector<std::pair<Slot, Expr>> there;
+  const auto is_there = [&](std::size_t term) {
+    return !points_near(mesh, contact.terms[term].points, place).empty();
+  };
+  for (const Slot s : slots_of(expression)) {
+    if (!is_multiplier(s) || is_there(static_cast<std::size_t>(term_of(s)))) continue;
+    const LawTerm& written = problem.law_terms[static_cast<std::size_t>(term_of(s))];
+    for (std::size_t k = 0; k < problem.law_terms.size(); ++k) {
+      if (!is_of_same_law(problem.law_terms[k], written) || !is_there(k)) continue;
+      there.emplace_back(s, Expr::variable(slot::multiplier(static_cast<int>(k), row_of(s))));
+      break;
+    }
+  }
+  return substitute(expression, there);
 }
 
 } // namespace
@@ -113,6 +147,35 @@ std::vector<int> parts_of_states(const Problem& problem, const Contact& contact,
   std::vector<int> out;
   for (const int place : places_of(contact, Pointwise(expressions).inputs()))
     if (body_at(contact, place) != nullptr) out.push_back(term_at(problem, contact, place).part);
+  return out;
+}
+
+std::vector<std::vector<Expr>> on_parts_of_laws(const Problem& problem,
+                                                std::span<const Expr> expressions) {
+  std::set<Slot> read;
+  for (const Expr& e : expressions)
+    for (const Slot s : slots_of(e))
+      if (is_multiplier(s)) read.insert(s);
+  const auto& terms = problem.law_terms;
+  std::vector<std::vector<Expr>> out;
+  std::set<int> seen;
+  for (const LawTerm& first : terms) {
+    if (!seen.insert(first.part).second) continue;
+    std::vector<std::pair<Slot, Expr>> here;
+    for (const Slot s : read) {
+      const LawTerm& written = terms[static_cast<std::size_t>(term_of(s))];
+      const auto found = std::ranges::find_if(terms, [&](const LawTerm& one) {
+        return one.part == first.part && is_of_same_law(one, written);
+      });
+      if (found == terms.end()) break;
+      here.emplace_back(
+          s, Expr::variable(slot::multiplier(static_cast<int>(found - terms.begin()), row_of(s))));
+    }
+    if (read.empty() || here.size() < read.size()) continue;
+    auto& all = out.emplace_back();
+    for (const Expr& e : expressions) all.push_back(substitute(e, here));
+  }
+  if (out.empty()) out.emplace_back(expressions.begin(), expressions.end());
   return out;
 }
 
@@ -165,8 +228,9 @@ LawSampler::LawSampler(const Problem& problem, const Discretisation& d, const Co
 }
 
 std::optional<LawSampler> LawSampler::at(const Problem& problem, const Discretisation& d,
-                                         const Contact& contact, const Expr& expression,
-                                         Origin origin, const Point& place) {
+                                         const Contact& contact, const Expr& written, Origin origin,
+                                         const Point& place) {
+  const Expr expression = at_parts_of(problem, d.mesh, contact, written, place);
   LawSampler out(problem, contact, {expression}, origin);
   auto places = places_of(contact, out.expressions_.inputs());
   // First those without which there is no value; of them laws before bodies.
@@ -203,8 +267,9 @@ void LawSampler::take_place(const Discretisation& d, const Contact& contact,
     throw Failure(
         FailureKind::bad_value, origin_,
         fmt::format("what lives at the points of `{}` is known there only, and {} is none of "
-                    "them",
-                    term.name, describe_point(place, d.mesh.dim)),
+                    "them{}",
+                    term.name, describe_point(place, d.mesh.dim),
+                    nearest_to(points, place, d.mesh.dim)),
         help);
   take_points(points, term, chosen);
   const double total = std::accumulate(block_.weight.begin(), block_.weight.end(), 0.0);
@@ -419,7 +484,10 @@ std::vector<Failure> misplaced_multipliers(const Plan& plan, const Discretisatio
     for (const FieldSpec& field : fields.fields)
       if (plan.problem.law_terms.size() > 1 &&
           std::ranges::any_of(field.components, reads_multiplier))
-        collect([&] { LawSampler(plan.problem, d, *contact, field.components, field.origin); });
+        collect([&] {
+          for (auto& here : on_parts_of_laws(plan.problem, field.components))
+            LawSampler(plan.problem, d, *contact, std::move(here), field.origin);
+        });
   return failures;
 }
 

@@ -31,8 +31,9 @@ public:
   /// has no multiplier.
   LawSampler(const Problem& problem, const Discretisation& discretisation, const Contact& contact,
              std::vector<Expr> expressions, Origin origin, int part = -1);
-  /// At one place: the law's points there, or those of a body's cells there, weights adding up
-  /// to 1. Nothing: what it reads lives elsewhere, and the expression does not need it there.
+  /// At one place: the law's points there, of a law on several parts those of the first part that
+  /// has the place, or those of a body's cells there, weights adding up to 1. Nothing: what it
+  /// reads lives elsewhere, and the expression does not need it there.
   static std::optional<LawSampler> at(const Problem& problem, const Discretisation& discretisation,
                                       const Contact& contact, const Expr& expression, Origin origin,
                                       const Point& place);
@@ -81,6 +82,10 @@ private:
 /// The parts of the bodies whose states an expression reads, where there are several.
 std::vector<int> parts_of_states(const Problem& problem, const Contact& contact,
                                  std::span<const Expr> expressions);
+/// Expressions as they are on each part where all laws act whose multipliers they read, in the
+/// order of the law terms; as they are written where there is no such part.
+std::vector<std::vector<Expr>> on_parts_of_laws(const Problem& problem,
+                                                std::span<const Expr> expressions);
 /// Do they read nothing that lives at the points of a law?
 bool lives_in_bodies(const Contact& contact, std::span<const Expr> expressions);
 /// An expression away from the parts of all the states that it reads.
