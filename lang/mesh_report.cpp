@@ -167,28 +167,47 @@ void report_lines(Script& script, const solver::Discretisation& d) {
   }
 }
 
-bool names_boundary(const solver::RegionSpec& region) {
-  return region.kind == solver::RegionSpec::Kind::boundary ||
-         std::ranges::any_of(region.children, names_boundary);
+/// Of the mesh, or of the piece whose boundary is the group `of_piece`.
+bool names_boundary(const solver::RegionSpec& region, const std::string& of_piece) {
+  using Kind = solver::RegionSpec::Kind;
+  const bool own = of_piece.empty() ? region.kind == Kind::boundary
+                                    : region.kind == Kind::group && region.name == of_piece;
+  return own || std::ranges::any_of(region.children, [&](const solver::RegionSpec& child) {
+           return names_boundary(child, of_piece);
+         });
 }
 
-/// `m.boundary` is all of it, also where the file has a group of that name.
-void report_boundary(Script& script, const solver::Discretisation& d) {
-  const auto group = d.mesh.groups.find("boundary");
-  if (group == d.mesh.groups.end()) return;
-  std::vector<std::int32_t> all;
-  for (std::size_t f = 0; f < d.mesh.facets.size(); ++f)
-    if (d.mesh.facets[f].other < 0) all.push_back(static_cast<std::int32_t>(f));
-  if (group->second.kind == Group::Kind::facets && group->second.entities == all) return;
+std::vector<std::int32_t> outer_facets(const solver::Mesh& mesh) {
+  std::vector<std::int32_t> out;
+  for (std::size_t f = 0; f < mesh.facets.size(); ++f)
+    if (mesh.facets[f].other < 0) out.push_back(static_cast<std::int32_t>(f));
+  return out;
+}
+
+void report_boundary(Script& script, const solver::Discretisation& d, const Group& group,
+                     const std::string& of_piece, const std::vector<std::int32_t>& all) {
+  if (group.kind == Group::Kind::facets && group.entities == all) return;
   for (std::size_t i = 0; i < d.parts.size(); ++i) {
     const auto& part = script.model->parts[i];
-    if (!names_boundary(script.plan->problem.parts[i].region)) continue;
+    if (!names_boundary(script.plan->problem.parts[i].region, of_piece)) continue;
     script.diagnostics.add(
         diagnose("W0611", part.span,
                  fmt::format("`{}` is made of all of the boundary, and the file has a group "
                              "\"boundary\", which is something else",
                              part.name))
             .with_help("the group is `.group(\"boundary\")`"));
+  }
+}
+
+/// `m.boundary` is all of it, also where the file has a group of that name.
+void report_boundaries(Script& script, const solver::Discretisation& d) {
+  const std::string of_file = ".group(\"boundary\")";
+  for (const auto& [name, group] : d.mesh.groups) {
+    if (name == "boundary") report_boundary(script, d, group, {}, outer_facets(d.mesh));
+    if (!name.ends_with(of_file)) continue;
+    const std::string whole = name.substr(0, name.size() - of_file.size()) + ".boundary";
+    if (const auto all = d.mesh.groups.find(whole); all != d.mesh.groups.end())
+      report_boundary(script, d, group, whole, all->second.entities);
   }
 }
 
@@ -279,7 +298,7 @@ void report_misfits(Script& script, const solver::Discretisation& d) {
   report_cut(script, d);
   report_turned(script, d);
   report_lines(script, d);
-  report_boundary(script, d);
+  report_boundaries(script, d);
   if (problem.mesh.kind != solver::MeshSpec::Kind::file) return;
   const Span span = script.model->origins[static_cast<std::size_t>(problem.mesh.origin.id)];
   const auto add = [&](const MeshFinding& f) {

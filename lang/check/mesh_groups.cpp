@@ -11,6 +11,10 @@ std::string MeshGroups::of_piece(const std::string& piece, const std::string& gr
   return fmt::format("{}.{}", piece, group);
 }
 
+std::string MeshGroups::of_file(const std::string& piece, const std::string& group) {
+  return of_piece(piece, group == "boundary" ? "group(\"boundary\")" : group);
+}
+
 std::vector<std::string> MeshGroups::of(const MeshValue& mesh) const {
   std::vector<std::string> out;
   const std::string prefix =

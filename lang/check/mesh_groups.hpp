@@ -27,6 +27,8 @@ struct MeshGroups {
   std::optional<solver::Group::Kind> kind_of(const solver::RegionSpec& region) const;
   /// The group of the whole mesh that a piece's group is.
   static std::string of_piece(const std::string& piece, const std::string& group);
+  /// A piece's group by its name in the file, which may be `boundary`: `a.boundary` is all of it.
+  static std::string of_file(const std::string& piece, const std::string& group);
 };
 
 } // namespace hvi::lang

@@ -54,7 +54,7 @@ Value Meshes::mesh_of_pieces(const ast::Mesh& m) {
     groups[piece] = Group::Kind::cells;
     groups[MeshGroups::of_piece(piece, "boundary")] = Group::Kind::facets;
     for (const auto& [group, kind] : groups_.kinds)
-      groups[MeshGroups::of_piece(piece, group)] = kind;
+      groups[MeshGroups::of_file(piece, group)] = kind;
     for (const auto& group : std::exchange(groups_.cuts, {}))
       cuts.insert(MeshGroups::of_piece(piece, group));
     spec.pieces.push_back(model_.mesh);

@@ -211,8 +211,12 @@ std::optional<RegionSpec> Parts::mesh_group(const ast::Expr& path, const ast::Ca
     return std::nullopt;
   }
   const auto& mesh = std::get<MeshValue>(value);
-  const std::string group = group_named(mesh, name->text, (*args)[0]->span);
+  std::string group = group_named(mesh, name->text, (*args)[0]->span);
   if (group.empty()) return std::nullopt;
+  if (mesh.index > 0) {
+    const std::string& piece = groups_.pieces[static_cast<std::size_t>(mesh.index) - 1];
+    if (std::string own = MeshGroups::of_file(piece, name->text); groups_.has(own)) group = own;
+  }
   if (groups_.known && !groups_.has(group)) {
     const std::vector<std::string> known = groups_.of(mesh);
     const std::string near = did_you_mean(name->text, known);

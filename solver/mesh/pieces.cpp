@@ -12,6 +12,11 @@
 namespace hvi::solver {
 namespace {
 
+/// What is called as a new group is.
+std::string group_of_piece(const std::string& group) {
+  return group == "boundary" ? "group(\"boundary\")" : group;
+}
+
 /// Adds meshes one behind the other; facets of the boundary come before those inside.
 class Joint {
 public:
@@ -36,7 +41,7 @@ public:
     }
     const auto facet_of = add_facets(mesh, node, cell);
     for (const auto& [group, entities] : mesh.groups)
-      add_group(name + "." + group, moved(entities, node, cell, facet_of));
+      add_group(name + "." + group_of_piece(group), moved(entities, node, cell, facet_of));
     Group cells{Group::Kind::cells, std::vector<std::int32_t>(mesh.cells.size())};
     std::iota(cells.entities.begin(), cells.entities.end(), cell);
     add_group(name, std::move(cells));
