@@ -138,21 +138,21 @@ void report_cut(Script& script, const solver::Discretisation& d) {
   }
 }
 
-/// A group of lines in space among the places that a part is made of.
-const Group* lines_in(const solver::Mesh& mesh, const solver::RegionSpec& region) {
+/// Is a part made of a group of which that holds, among others?
+bool has_group(const solver::Mesh& mesh, const solver::RegionSpec& region, bool Group::*what) {
   const auto group = region.kind == solver::RegionSpec::Kind::group ? mesh.groups.find(region.name)
                                                                     : mesh.groups.end();
-  if (group != mesh.groups.end() && group->second.of_lines) return &group->second;
-  for (const solver::RegionSpec& child : region.children)
-    if (const Group* found = lines_in(mesh, child)) return found;
-  return nullptr;
+  if (group != mesh.groups.end() && group->second.*what) return true;
+  return std::ranges::any_of(region.children, [&](const solver::RegionSpec& child) {
+    return has_group(mesh, child, what);
+  });
 }
 
 /// Lines in space are no parts of a body's boundary: forces and values on them have no limit as
 /// cells become small. Their nodes may hold a body as single points do.
 void report_lines(Script& script, const solver::Discretisation& d) {
   for (std::size_t i = 0; i < d.parts.size(); ++i) {
-    if (!lines_in(d.mesh, script.plan->problem.parts[i].region)) continue;
+    if (!has_group(d.mesh, script.plan->problem.parts[i].region, &Group::of_lines)) continue;
     const auto& part = script.model->parts[i];
     const std::size_t n = d.parts[i].entities.size();
     script.diagnostics.add(
@@ -276,9 +276,19 @@ void report_turned(Script& script, const solver::Discretisation& d) {
   const auto with_side = parts_with_side(*script.plan);
   for (std::size_t i = 0; i < d.parts.size(); ++i) {
     if (!with_side[i] || d.parts[i].kind != Group::Kind::facets || d.parts[i].is_pair()) continue;
+    const auto& part = script.model->parts[i];
+    if (has_group(d.mesh, script.plan->problem.parts[i].region, &Group::against_another)) {
+      script.diagnostics.add(
+          diagnose("W0609", part.span,
+                   fmt::format("`{}` has facets inside the body that another group of the file has "
+                               "the other way round: their normals are those of that group",
+                               part.name))
+              .with_help("a facet has one normal: count along it on one of the groups, with a "
+                         "minus before what belongs to the other side"));
+      continue;
+    }
     const auto node = turned_at(d.mesh, d.parts[i]);
     if (!node) continue;
-    const auto& part = script.model->parts[i];
     script.diagnostics.add(
         diagnose("W0609", part.span,
                  fmt::format("`{}` lies inside the body, and its normals do not point to one side: "

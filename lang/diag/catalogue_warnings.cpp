@@ -164,7 +164,8 @@ On the boundary normals point out of the body. Facets inside it, which a group o
 normal that the order of their nodes in the file gives: to the right of a line in the plane, by the right-hand
 rule in space. Where two of them that meet point to different sides, a pressure, a law on `u.nu` or an
 integral with the normal changes its sign from one to the other, and gradients and stresses are those of one
-material on the one and of another on the other. Said of parts on which such things are counted.)",
+material on the one and of another on the other. A facet that two groups have, each the other way round, has the
+normal that the first of them gives. Said of parts on which such things are counted.)",
      R"(
 Physical Curve("seam") = {5, 6};)",
      R"(

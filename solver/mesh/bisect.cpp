@@ -219,6 +219,7 @@ Mesh Bisection::mesh() const {
     Group& target = out.groups[name];
     target.kind = group.kind;
     target.of_lines = group.of_lines;
+    target.against_another = group.against_another;
     for (const std::int32_t e : group.entities) {
       if (group.kind == Group::Kind::points) target.entities.push_back(e);
       if (group.kind == Group::Kind::cells)

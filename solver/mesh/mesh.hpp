@@ -25,6 +25,9 @@ struct Group {
   Kind kind = Kind::cells;
   std::vector<std::int32_t> entities; ///< sorted, unique
   bool of_lines = false;              ///< points: the corners of lines in space
+  /// Facets: one inside the body is in another group, too, the other way round, and has the normal
+  /// that it has there.
+  bool against_another = false;
 };
 
 struct Mesh {

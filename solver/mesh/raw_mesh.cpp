@@ -311,6 +311,19 @@ private:
     for (std::size_t i = 0; i < named.size(); ++i) {
       if (facets[i] < 0) throw no_cell(*elements[i]);
       for_groups_of(*elements[i], [&](Group& g) { g.entities.push_back(facets[i]); });
+      note_turned(*elements[i], named[i], mesh_.facets[static_cast<std::size_t>(facets[i])]);
+    }
+  }
+
+  /// A facet has one normal: that of the element which came first.
+  void note_turned(const RawMesh::Element& e, const std::array<std::int32_t, 3>& nodes,
+                   const Facet& facet) {
+    if (facet.other < 0 || mesh_.dim == 1) return;
+    const bool turned = facet_key(mesh_.dim, nodes).odd != facet_key(mesh_.dim, facet.nodes).odd;
+    const auto& entity = raw_.entities[e.entity];
+    for (std::size_t k = 0; k < entity.physical.size(); ++k) {
+      const bool against = k < entity.against_first.size() && entity.against_first[k] != 0;
+      if (turned != against) groups_.at({e.dim, entity.physical[k]})->against_another = true;
     }
   }
 
@@ -350,6 +363,7 @@ private:
 
 void RawMesh::Entity::take_signs() {
   reversed = !physical.empty() && physical.front() < 0;
+  for (const int group : physical) against_first.push_back((group < 0) != reversed ? 1 : 0);
   for (int& group : physical) // of a broken file it may be the least integer
     if (group < 0) group = static_cast<int>(-static_cast<std::int64_t>(group));
 }

@@ -20,7 +20,8 @@ struct RawMesh {
     int dim = 0;
     int tag = 0;
     std::vector<int> physical;
-    bool reversed = false; ///< in its groups: facets inside the body look the other way
+    bool reversed = false;             ///< in its groups: facets inside the body look the other way
+    std::vector<char> against_first{}; ///< by group: not as in the first one
 
     /// gmsh tells by the sign of a group's tag how an entity is turned in it: that of the first one
     /// becomes `reversed`. (In MSH 2.2 the elements themselves are turned.)

@@ -190,6 +190,7 @@ Mesh refine(const Mesh& mesh) {
     if (group.kind != Group::Kind::facets) continue;
     Group& target = fine.groups[name];
     target.kind = Group::Kind::facets;
+    target.against_another = group.against_another;
     for (const std::int32_t f : group.entities)
       for (int i = 0; i < children; ++i) target.entities.push_back(facet[f * children + i]);
     std::sort(target.entities.begin(), target.entities.end());

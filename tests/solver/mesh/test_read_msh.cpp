@@ -203,6 +203,22 @@ TEST(ReadMsh, TheSignOfAGroupTurnsFacetsInside) {
   }
 }
 
+/// A facet has one normal, whichever way its groups have it round.
+TEST(ReadMsh, TellsOfFacetsThatTwoGroupsTurn) {
+  for (const bool minus : {false, true}) {
+    const std::string text = fmt::format(
+        "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 1 1 0\n"
+        "1 0 0 0 0 0 0 2 1 {}3 0\n1 0 0 0 0 0 0 1 2 0\n$EndEntities\n"
+        "$Nodes\n1 4 1 4\n2 1 0 4\n1\n2\n3\n4\n-1 0 0\n1 0 0\n0 -1 0\n0 1 0\n$EndNodes\n"
+        "$Elements\n2 3 1 3\n1 1 1 1\n1 3 4\n2 1 2 2\n2 1 3 4\n3 3 2 4\n$EndElements\n",
+        minus ? "-" : "");
+    const Mesh mesh = parse_msh(text, "x.msh");
+    EXPECT_FALSE(mesh.groups.at("1").against_another);
+    EXPECT_EQ(mesh.groups.at("3").against_another, minus);
+    EXPECT_EQ(refine(mesh).groups.at("3").against_another, minus);
+  }
+}
+
 TEST(ReadMsh, RefusesBadMeshes) {
   const auto bad = FailureKind::bad_mesh;
   const std::string name = "2 5 \"body\"\n";
