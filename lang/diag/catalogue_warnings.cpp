@@ -188,6 +188,15 @@ cells: that one is `body.group("boundary")`.)",
 part rim = body.boundary)",
      R"(
 part rim = body.group("boundary"))"},
+    {"W0612", "table finer than the mesh",
+     R"(
+A table over space, `table("pressure.csv", x)`, is read at the points of an integral's rule, as any function is. Where it has
+several points within one cell or side, what lies between those of the rule is not seen. Said where the mean of the table over
+a cell differs by more than a hundredth of its largest value from the mean of three points, with the numbers of the worst cell.)",
+     R"(
+mesh bar = interval(1, cells = 10) ... integral(bar, table("thousand_points.csv", x)*v))",
+     R"(
+mesh bar = interval(1, cells = 1000) ... integral(bar, table("thousand_points.csv", x)*v))"},
 });
 
 } // namespace
