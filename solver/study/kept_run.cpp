@@ -153,6 +153,7 @@ const KeptRun& Runner::cheap(const Setting& setting) {
     KeptRun& out = runs_[setting];
     out.setting = setting;
     out.failure = failure.what();
+    out.failed_by_rounding = failure.kind == K::mostly_rounding;
     return out;
   }
 }

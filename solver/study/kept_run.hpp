@@ -26,6 +26,7 @@ struct KeptRun {
   double row = 0.0; ///< seconds of one row of the table
   double cpu = 0.0;
   std::string failure; ///< "": certified
+  bool failed_by_rounding = false;
 };
 
 /// Relative distance of the coarser to the finer run, largest over the times both have: in V, or of

@@ -30,6 +30,8 @@ private:
 
   // ---- ladders (search_ladders.cpp)
   const KeptRun& cheap(const Setting& setting, const std::string& purpose);
+  const KeptRun* rung(const Setting& setting, const std::string& purpose, bool first);
+  std::string first_failure() const;
   void record_distance(const KeptRun& run, const KeptRun& against, double d);
   /// Of what is asked for; gives up where that has no values.
   double distance_between(const KeptRun& coarse, const KeptRun& fine);

@@ -55,14 +55,30 @@ double Search::compared(const KeptRun& coarse, const KeptRun& fine) {
   return d;
 }
 
-/// Distances of neighbours of a ladder that doubles; a rung that fails is left out.
+/// A rung of a ladder; null: it is larger than meshes may be, after rungs that were not.
+const KeptRun* Search::rung(const Setting& setting, const std::string& purpose, bool first) {
+  try {
+    return &cheap(setting, purpose);
+  } catch (const Failure& failure) {
+    const bool too_large =
+        failure.kind == FailureKind::limit || failure.kind == FailureKind::too_large;
+    if (first || !too_large) throw;
+    return nullptr;
+  }
+}
+
+/// Distances of neighbours of a ladder that doubles; a rung that fails is left out. Where two in a
+/// row fail by rounding, finer ones have more of it.
 /// Returns the resolution of the finest good run, 0 for none.
 int Search::climb(std::vector<Rung>& rungs, int first, int wanted, const std::string& purpose,
                   const std::function<Setting(int)>& at) {
   const KeptRun* before = nullptr;
   int good = 0, finest = 0, resolution = first;
   for (int k = 0; k < most_rungs && good < wanted; ++k, resolution *= 2) {
-    const KeptRun& run = cheap(at(resolution), purpose);
+    const KeptRun* const found = rung(at(resolution), purpose, k == 0);
+    if (found == nullptr) break;
+    const KeptRun& run = *found;
+    if (run.failed_by_rounding && before != nullptr && before->failed_by_rounding) break;
     if (run.failure.empty()) {
       if (before != nullptr && before->failure.empty())
         add_rung(rungs, {0.5 * resolution, 2.0, compared(*before, run)});
@@ -149,9 +165,14 @@ void Search::choose_candidates() {
     }
   pair_up();
   if (pairs_.empty() && !family_.is_static()) adapt_time();
-  if (pairs_.empty())
-    give_up(out_.runs.empty() ? "no run succeeded"
-                              : "no coarse run could be certified: " + out_.runs.back().failure);
+  if (pairs_.empty()) give_up(first_failure());
+}
+
+/// Of the runs in their order: what stops later ones may be that they are as fine as they are.
+std::string Search::first_failure() const {
+  for (const AccuracyRun& run : out_.runs)
+    if (!run.failure.empty()) return "no coarse run could be certified: " + run.failure;
+  return "no run succeeded";
 }
 
 /// All elements with all clocks whose ladders say something.
