@@ -25,6 +25,22 @@ std::string out_of_reach(solver::Slot s, bool in_body, bool on_pair) {
   return gradient ? "a gradient of the unknown" : "";
 }
 
+/// A help.
+std::string readable_in_rate(bool in_body, std::optional<solver::Group::Kind> kind,
+                             const std::string& u) {
+  if (in_body)
+    return fmt::format(
+        "it may read states, x, t, `{0}`, `eps({0})`, `sigma`, memories and the like", u);
+  if (kind == solver::Group::Kind::cells)
+    return fmt::format("a law acts on these cells, and the state is that of the law's points: it "
+                       "may read states, x, t, `{0}`, `{0}'` and multipliers of laws there; on a "
+                       "part without a law gradients and memories, too",
+                       u);
+  return fmt::format("it may read states, x, t, `{0}.nu`, `{0}'.tau` and the like, and multipliers "
+                     "of laws on its part",
+                     u);
+}
+
 } // namespace
 
 Value States::state(int declaration) {
@@ -84,15 +100,9 @@ void States::state_rate(ModelState& state) {
   for (const solver::Slot s : solver::slots_of(expression))
     if (const std::string what = out_of_reach(s, in_body, pairs_.is_pair(state.spec.part));
         !what.empty()) {
-      mistakes_.error(
-          "E0428", written.rate.span,
-          fmt::format("the rate of `{}` reads {}", state.spec.name, what),
-          in_body ? fmt::format("it may read states, x, t, `{0}`, `eps({0})`, `sigma`, memories "
-                                "and the like",
-                                unknowns_.name_of(0))
-                  : fmt::format("it may read states, x, t, `{0}.nu`, `{0}'.tau` and the like, and "
-                                "multipliers of laws on its part",
-                                unknowns_.name_of(0)));
+      mistakes_.error("E0428", written.rate.span,
+                      fmt::format("the rate of `{}` reads {}", state.spec.name, what),
+                      readable_in_rate(in_body, kind, unknowns_.name_of(0)));
       return;
     }
   if (!multipliers_.take_on_part(written.rate.span, state.spec.part, expression)) return;

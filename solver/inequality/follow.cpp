@@ -70,7 +70,8 @@ void BranchFollower::follow(StepAnswer& step) {
   const ReducedOperator& s = factor_.op();
   // The factor of S takes the place of one that the next steps would use.
   const bool can = !(least && coupled) && curve_.serves(s);
-  if (!can || !factor_.make_other(pattern_.zero()) || !curve_.prepare(s)) {
+  if (!can || !factor_.make_other(pattern_.zero()) ||
+      !curve_.prepare(s, options_.before_iteration)) {
     report.not_followed = !least;
     return;
   }

@@ -114,7 +114,8 @@ struct InequalityOptions {
   int max_iterations = 200;
   Branch branch = Branch::continuing;
   bool force_fallback = false; ///< tests: the globally convergent method only
-  /// Called before every iteration of Newton's methods; what it throws ends the solve.
+  /// Called before every iteration of Newton's methods, and every solve for the compliance of the
+  /// points; what it throws ends the search.
   std::function<void()> before_iteration{};
 };
 

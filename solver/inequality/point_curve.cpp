@@ -18,14 +18,14 @@ bool PointCurve::serves(const ReducedOperator& s) const {
          std::ranges::all_of(points_.data, [](const PointData& q) { return q.rows == 1; });
 }
 
-bool PointCurve::prepare(const ReducedOperator& s) {
+bool PointCurve::prepare(const ReducedOperator& s, const std::function<void()>& before_solve) {
   graphs_.clear();
   for (const PreparedLaw& law : points_.laws.all()) graphs_.emplace_back(law);
   if (curve_) return true;
   moved_.clear();
   for (int p = 0; p < points_.size(); ++p)
     if (SparseMatrix::InnerIterator(points_.g, points_[p].first)) moved_.push_back(p);
-  std::optional<DenseMatrix> c = compliance(s);
+  std::optional<DenseMatrix> c = compliance(s, before_solve);
   if (!c) return false;
   curve_.emplace(std::move(*c), curve_points());
   return true;
@@ -56,12 +56,14 @@ Vector PointCurve::multipliers(const Vector& force) const {
   return out;
 }
 
-std::optional<DenseMatrix> PointCurve::compliance(const ReducedOperator& s) {
+std::optional<DenseMatrix> PointCurve::compliance(const ReducedOperator& s,
+                                                  const std::function<void()>& before_solve) {
   const SparseMatrix& g = points_.g;
   const auto count = static_cast<int>(moved_.size());
   Vector column(points_.unknowns), right(points_.unknowns);
   response_.resize(points_.unknowns, count);
   for (int p = 0; p < count; ++p) {
+    if (before_solve) before_solve();
     right.setZero();
     for (SparseMatrix::InnerIterator it(g, points_[moved_[p]].first); it; ++it)
       right[it.col()] += it.value();

@@ -23,7 +23,8 @@ public:
   /// says which states are stable.
   bool serves(const ReducedOperator& s) const;
   /// Where it serves, with S factored by `s`. False: no point moves, or S is all but singular.
-  bool prepare(const ReducedOperator& s);
+  /// `before_solve`: called before each of the solves with S, one a point.
+  bool prepare(const ReducedOperator& s, const std::function<void()>& before_solve);
   const EquilibriumCurve& curve() const { return *curve_; }
   std::vector<CurvePoint> curve_points() const;
   /// Of rows of all points, those of the curve's.
@@ -44,7 +45,8 @@ public:
   void go(const CurveSolution& to, Position& at) const;
 
 private:
-  std::optional<DenseMatrix> compliance(const ReducedOperator& s);
+  std::optional<DenseMatrix> compliance(const ReducedOperator& s,
+                                        const std::function<void()>& before_solve);
 
   const ContactPoints& points_;
   std::vector<int> moved_;         ///< the points of the curve
