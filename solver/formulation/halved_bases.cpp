@@ -53,8 +53,7 @@ void add_magnitude_of_base(const Operators& operators, int b, double factor, con
 void product_of_base(const Operators& operators, int b, const Vector& x, Vector& y) {
   const auto at = static_cast<std::size_t>(b);
   if (operators.dealt) {
-    Vector whole;
-    operators.dealt->product(b, x, y, whole);
+    operators.dealt->product(b, x, y);
     return;
   }
   if (operators.halves.empty()) {

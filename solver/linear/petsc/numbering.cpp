@@ -46,6 +46,21 @@ void Numbering::collect(const double* x, double* out) const {
     if (unknown_[p] >= 0) out[unknown_[p]] = x[p];
 }
 
+namespace {
+
+/// These rows of arrays as they are.
+Rows part_of(const HviPetscMatrix& a, int first, int end) {
+  const int from = a.start[first], to = a.start[end];
+  Rows out;
+  out.start.assign(a.start + first, a.start + end + 1);
+  for (int& start : out.start) start -= from;
+  out.column.assign(a.column + from, a.column + to);
+  out.value.assign(a.value + from, a.value + to);
+  return out;
+}
+
+} // namespace
+
 void WholeMatrix::need(const std::vector<int>& named) const {
   if (!is_dealt()) return;
   std::vector<int> missing;
@@ -77,6 +92,7 @@ WholeMatrix::Row WholeMatrix::row(int i, Room& room) const {
   const int own = numbering_ == nullptr ? i : numbering_->unknown_of(i);
   const int first = own < 0 ? 0 : a_.start[own], end = own < 0 ? 0 : a_.start[own + 1];
   if (numbering_ == nullptr) return {a_.column + first, a_.value + first, end - first};
+  if (entries_of(i) == 0) return {nullptr, nullptr, 0}; // as most rows of laws are
   room.entries.clear();
   if (own < 0 && diagonal_ != 0.0) room.entries.emplace_back(i, diagonal_);
   for (int e = first; e < end; ++e)
@@ -104,6 +120,7 @@ int WholeMatrix::entries_of(int i) const {
 }
 
 Rows WholeMatrix::part(int first, int end) const {
+  if (const HviPetscMatrix* const whole = as_it_is()) return part_of(*whole, first, end);
   Rows out;
   out.start.reserve(static_cast<std::size_t>(end - first) + 1);
   for (int i = first; i < end; ++i) out.start.push_back(out.start.back() + entries_of(i));
