@@ -109,16 +109,11 @@ void DealtMatrices::collect(const std::vector<std::string>& answers, std::size_t
   }
 }
 
-void DealtMatrices::ask_of_columns(const MatrixErrand& errand, const Vector& x, Vector& out) const {
-  collect(ask(errand, [&](int p) { return columns_of(p, x); }), 0, out);
-}
-
-void DealtMatrices::product(int matrix, const Vector& x, Vector& out) const {
-  ask_of_columns({set(), MatrixErrand::products, matrix}, x, out);
-}
-
-void DealtMatrices::whole(int matrix, const Vector& x, Vector& out) const {
-  ask_of_columns({set(), MatrixErrand::wholes, matrix}, x, out);
+void DealtMatrices::product(int matrix, const Vector& x, Vector& product, Vector& whole) const {
+  const auto answers =
+      ask({set(), MatrixErrand::products, matrix}, [&](int p) { return columns_of(p, x); });
+  collect(answers, 0, product);
+  collect(answers, 1, whole);
 }
 
 void DealtMatrices::subtract_product(int matrix, const Vector& x, std::vector<DoubleDouble>& y,
@@ -137,7 +132,8 @@ void DealtMatrices::subtract_product(int matrix, const Vector& x, std::vector<Do
 }
 
 void DealtMatrices::magnitude(int matrix, const Vector& x, Vector& out) const {
-  ask_of_columns({set(), MatrixErrand::magnitudes, matrix}, x, out);
+  collect(ask({set(), MatrixErrand::magnitudes, matrix}, [&](int p) { return columns_of(p, x); }),
+          0, out);
 }
 
 Vector DealtMatrices::diagonal(int matrix) const {
@@ -282,18 +278,18 @@ DealtRows DealtMatrix::rows() const {
 }
 
 std::function<double(int)> DealtMatrix::whole_sizes(const Vector& x) const {
-  return [this, &x, whole = Vector()](int i) mutable {
-    if (whole.size() == 0) all_.whole(number_, x, whole);
-    return whole[i];
+  return [this, &x, whole = static_cast<const Vector*>(nullptr)](int i) mutable {
+    if (whole == nullptr) whole = &last(x).whole;
+    return (*whole)[i];
   };
 }
 
-void DealtMatrix::apply(const Vector& x, Vector& y) const {
+const DealtMatrix::Last& DealtMatrix::last(const Vector& x) const {
   if (last_.x.size() != x.size() || last_.x != x) {
-    all_.product(number_, x, last_.product);
+    all_.product(number_, x, last_.product, last_.whole);
     last_.x = x;
   }
-  y = last_.product;
+  return last_;
 }
 
 } // namespace hvi::solver

@@ -30,10 +30,9 @@ public:
   const std::vector<Vector>& weights() const { return weights_; }
   int processes() const { return processes_; }
   int n_unknowns() const { return n_unknowns_; }
-  /// A x; `x`: a state, or the unknowns alone where its other values are 0.
-  void product(int matrix, const Vector& x, Vector& out) const;
-  /// |A_ii| max |x_j| over the columns of row i that are of its own unknown.
-  void whole(int matrix, const Vector& x, Vector& out) const;
+  /// `x`: a state, or the unknowns alone where its other values are 0. A x, and |A_ii| max |x_j|
+  /// over the columns of row i.
+  void product(int matrix, const Vector& x, Vector& product, Vector& whole) const;
   /// subtract_product (double_double.hpp).
   void subtract_product(int matrix, const Vector& x, std::vector<DoubleDouble>& y,
                         Vector& size) const;
@@ -68,8 +67,6 @@ private:
   std::vector<std::string> ask(std::span<const std::string> messages) const;
   std::vector<double> columns_of(int p, const Vector& x) const;
   std::vector<double> rows_of(int p, const Vector& x) const;
-  /// An errand with the columns of x, one block of answers.
-  void ask_of_columns(const MatrixErrand& errand, const Vector& x, Vector& out) const;
   /// Numbers of each process's rows, `part` of several blocks of them, to their unknowns.
   void collect(const std::vector<std::string>& answers, std::size_t part, Vector& out) const;
   void deal_out_nodes(const StateLayout& layout, const std::vector<std::int32_t>& part_of_node,
@@ -103,7 +100,7 @@ public:
   DealtRows rows() const;
 
   int size() const override { return all_.n_unknowns(); }
-  void apply(const Vector& x, Vector& y) const override;
+  void apply(const Vector& x, Vector& y) const override { y = last(x).product; }
   void apply_magnitude(const Vector& x, Vector& y) const override { all_.magnitude(number_, x, y); }
   Vector diagonal() const override { return diagonal_; }
   Vector own_stiffness() const override { return diagonal_.cwiseAbs(); }
@@ -113,8 +110,9 @@ public:
 private:
   /// What was made of the last x.
   struct Last {
-    Vector x, product;
+    Vector x, product, whole;
   };
+  const Last& last(const Vector& x) const;
 
   DealtMatrices& all_;
   int number_;

@@ -126,12 +126,8 @@ std::string answer_of(OwnRows& rows, const MatrixErrand& errand, std::span<const
   std::string out;
   switch (errand.what) {
   case MatrixErrand::products:
-    out = room_for(n);
+    out = room_for(2 * n);
     rows.products(errand.matrix, numbers, numbers_of(out));
-    break;
-  case MatrixErrand::wholes:
-    out = room_for(n);
-    rows.wholes(errand.matrix, numbers, numbers_of(out));
     break;
   case MatrixErrand::precisely:
     out = room_for(3 * n);

@@ -30,7 +30,6 @@ struct MatrixErrand {
   enum What : int {
     assemble,   ///< bytes of put_assembly, to be answered as assembled() reads it
     products,   ///< OwnRows::products of these columns
-    wholes,     ///< OwnRows::wholes
     precisely,  ///< OwnRows::precisely
     magnitudes, ///< OwnRows::magnitudes
     diagonal,   ///< OwnRows::diagonal

@@ -53,7 +53,8 @@ void add_magnitude_of_base(const Operators& operators, int b, double factor, con
 void product_of_base(const Operators& operators, int b, const Vector& x, Vector& y) {
   const auto at = static_cast<std::size_t>(b);
   if (operators.dealt) {
-    operators.dealt->product(b, x, y);
+    Vector whole;
+    operators.dealt->product(b, x, y, whole);
     return;
   }
   if (operators.halves.empty()) {

@@ -68,24 +68,37 @@ OwnRows::OwnRows(std::vector<SparseMatrix> bases, PlacedRows placed)
 void OwnRows::products(int a, std::span<const double> x, std::span<double> out) const {
   const double* const value = values(a).data();
   const int* const column = column_.data();
+  double *product = out.data(), *whole = product + rows();
   for (int i = 0; i < rows(); ++i) {
-    double sum[4] = {};
+    double sum[4] = {}, largest[4] = {};
     const int end = start_[i + 1];
     int e = start_[i];
     for (; e + 4 <= end; e += 4)
-      for (int k = 0; k < 4; ++k) sum[k] += value[e + k] * x[column[e + k]];
-    for (; e < end; ++e) sum[0] += value[e] * x[column[e]];
-    out[i] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+      for (int k = 0; k < 4; ++k) {
+        const double of = x[column[e + k]];
+        sum[k] += value[e + k] * of;
+        largest[k] = std::max(largest[k], std::abs(of));
+      }
+    for (; e < end; ++e) {
+      sum[0] += value[e] * x[column[e]];
+      largest[0] = std::max(largest[0], std::abs(x[column[e]]));
+    }
+    product[i] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    whole[i] = std::abs(value[own_[i]]) *
+               std::max(std::max(largest[0], largest[1]), std::max(largest[2], largest[3]));
   }
+  if (!placed_.of_unknown.empty())
+    whole_of_each(a, x, out.subspan(static_cast<std::size_t>(rows())));
 }
 
-void OwnRows::wholes(int a, std::span<const double> x, std::span<double> out) const {
-  std::ranges::fill(out, 0.0);
-  const auto& unknown = placed_.of_unknown;
+/// Unknowns have units of their own.
+void OwnRows::whole_of_each(int a, std::span<const double> x, std::span<double> whole) const {
+  std::ranges::fill(whole, 0.0);
   for_entries(a, [&](int i, int j, double) {
-    if (unknown.empty() || unknown[i] == unknown[j]) out[i] = std::max(out[i], std::abs(x[j]));
+    if (placed_.of_unknown[i] == placed_.of_unknown[j])
+      whole[i] = std::max(whole[i], std::abs(x[j]));
   });
-  for (int i = 0; i < rows(); ++i) out[i] *= std::abs(values(a)[own_[i]]);
+  for (int i = 0; i < rows(); ++i) whole[i] *= std::abs(values(a)[own_[i]]);
 }
 
 void OwnRows::precisely(int a, std::span<const double> x, std::span<double> out) const {

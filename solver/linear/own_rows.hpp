@@ -36,10 +36,9 @@ public:
   int rows() const { return static_cast<int>(start_.size()) - 1; }
   int columns() const { return static_cast<int>(placed_.column.size()); }
 
-  /// Of each row i of matrix a  (A x)_i.
+  /// Of each row i of matrix a  (A x)_i,  and behind them  |A_ii| max |x_j| over its columns of the
+  /// same unknown.
   void products(int a, std::span<const double> x, std::span<double> out) const;
-  /// |A_ii| max |x_j| over the columns of row i that are of its own unknown.
-  void wholes(int a, std::span<const double> x, std::span<double> out) const;
   /// (A x)_i as the sum of two numbers, one block behind the other, and behind them (|A| |x|)_i.
   void precisely(int a, std::span<const double> x, std::span<double> out) const;
   /// (|A| |x|)_i
@@ -72,6 +71,7 @@ private:
     std::vector<double> value;
   };
   const std::vector<double>& values(int a) const { return values_.at(a); }
+  void whole_of_each(int a, std::span<const double> x, std::span<double> whole) const;
 
   std::vector<int> start_, column_; ///< of all matrices
   std::vector<int> own_;            ///< by row where its diagonal is
