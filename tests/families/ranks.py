@@ -131,11 +131,26 @@ def foretold(program, path, judge):
     judge(0 < answer["contact_unknowns"] < answer["unknowns"], f"{answer['contact_unknowns']} of {answer['unknowns']} unknowns are in laws")
 
 
-def chosen(program, folder, judge):
-    """Iterations that `automatic` takes are those of all processes, and one process has the same matrices."""
+def warm(folder, n, steps):
+    """A block that is heated and rubs."""
     path = folder / "warm.hvi"
     bench = pathlib.Path(__file__).resolve().parents[2] / "bench/warm3d_friction.hvi"
-    path.write_text(bench.read_text().replace("param n = 4", "param n = 18").replace("param N = 4", "param N = 1"))
+    path.write_text(bench.read_text().replace("param n = 4", f"param n = {n}").replace("param N = 4", f"param N = {steps}"))
+    return path
+
+
+def several(program, folder, ranks, judge):
+    """What eliminates one unknown from another one reads rows of other processes: without these it takes three times the iterations."""
+    path = warm(folder, 9, 2)
+    alone = run(program, path, folder, 1)[1]["plan"]["iterations"]
+    for n in ranks:
+        times = run(program, path, folder, n)[1]["plan"]["iterations"] / alone
+        judge(times <= MORE, f"a larger body, of two unknowns, with {n} processes: {times:.2f} times the iterations of one")
+
+
+def chosen(program, folder, judge):
+    """Iterations that `automatic` takes are those of all processes, and one process has the same matrices."""
+    path = warm(folder, 18, 1)
     answers = [iterative.run(program, path, folder, "automatic", processes=n)[1] for n in (1, 2)]
     plans = [answer["plan"] for answer in answers]
     judge([plan["solver"] for plan in plans] == ["iterative"] * 2 and plans[1]["assembled_by"] == 2 and plans[0]["matrices"] == plans[1]["matrices"],
@@ -177,6 +192,7 @@ def larger(program, folder, options):
             held = answers[0]["plan"]["bytes_of_others"]  # its part, and PETSc
             judge(2e7 < held < 2e8, f"{of}: another process holds {held / 1e6:.0f} MB")
     foretold(program, path, judge)
+    several(program, folder, options.ranks, judge)
     if 2 in options.ranks:
         chosen(program, folder, judge)
     return bool(wrong)
