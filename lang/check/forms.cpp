@@ -157,7 +157,7 @@ bool Forms::check_integrand(const ModelTerm& term, const ast::FormTerm& written,
   if (!source && term.right && f.trial != Degree::none) {
     mistakes_.error("E0403", e.span,
                     fmt::format("the right side contains the unknown {}", unknowns_.names()),
-                    "bring the term to the left of >=");
+                    "bring the term to the left side");
     return false;
   }
   if (!find_->time && f.scalar().depends_on(slot::t)) {
