@@ -287,24 +287,22 @@ private:
            (scheme.looks_back() && std::ranges::find(orders_, 0) != orders_.end());
   }
 
-  /// A law on what is sought here has no place on its graph yet.
+  /// A law on what is sought here has no place on its graph yet, a load that reads it no value.
   void require_known_arguments() const {
     for (const LawTerm& term : plan_.problem.law_terms)
       if (!is_memory(term.field) && term.field >= orders_[static_cast<std::size_t>(term.unknown)])
-        throw Failure(
-            FailureKind::bad_value, term.origin,
-            fmt::format("the scheme {} starts from a balance at the initial time, where the "
-                        "argument of this law is not known",
-                        name_of(plan_.problem.time.scheme)),
-            "use backward_euler or bdf2, which start from initial values alone");
+        not_known("the argument of this law is", term.origin);
     for (const StateTerm& state : plan_.problem.states)
       if (state.algebraic && reads_what_is_sought(state.rate))
-        throw Failure(
-            FailureKind::bad_value, state.origin,
-            fmt::format("the scheme {} starts from a balance at the initial time, where what this "
-                        "load reads is not known",
-                        name_of(plan_.problem.time.scheme)),
-            "use backward_euler or bdf2, which start from initial values alone");
+        not_known("what this load reads is", state.origin);
+  }
+
+  [[noreturn]] void not_known(std::string_view what, const Origin& origin) const {
+    throw Failure(FailureKind::bad_value, origin,
+                  fmt::format("the scheme {} starts from a balance at the initial time, where {} "
+                              "not known",
+                              name_of(plan_.problem.time.scheme), what),
+                  "use backward_euler or bdf2, which start from initial values alone");
   }
 
   bool reads_what_is_sought(const Expr& value) const {

@@ -19,56 +19,10 @@ import tempfile
 
 import numpy
 
+from moved_lattice import facets_on, lattice, msh
+
 AGREE = 1e-8
 AXES = "xyz"
-
-
-def lattice(r, dim, n):
-    """Nodes and cells of a unit cube whose inner nodes are moved at random."""
-    sides = [range(n + 1)] * dim
-    nodes = [tuple(p) for p in numpy.stack(numpy.meshgrid(*sides, indexing="ij"), -1).reshape(-1, dim)]
-    number = {p: i for i, p in enumerate(nodes)}
-    cells = []
-    for corner in nodes:
-        if max(corner) == n:
-            continue
-        orders = {1: [(0,)], 2: [(0, 1), (1, 0)], 3: [(0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)]}[dim]
-        for order in orders:
-            at, cell = list(corner), [number[corner]]
-            for axis in order:
-                at[axis] += 1
-                cell.append(number[tuple(at)])
-            cells.append(cell)
-    x = numpy.array(nodes, float) / n
-    held = {i for i in range(len(x)) if x[i, 0] == 0.0}
-    skin = {i for i in range(len(x)) if x[i, 0] == 1.0}
-    for i in range(len(x)):
-        for axis in range(dim):
-            if 0.01 < x[i, axis] < 0.99:
-                x[i, axis] += r.uniform(-0.2, 0.2) / n
-    for cell in cells:
-        if numpy.linalg.det(x[cell[1:]] - x[cell[0]]) < 0:
-            cell[-1], cell[-2] = cell[-2], cell[-1]
-    return x, cells, held, skin
-
-
-def facets_on(cells, nodes, dim):
-    """Each with its cell."""
-    found = [([n for n in c if n in nodes], k) for k, c in enumerate(cells)]
-    return [(f, k) for f, k in found if len(f) == dim]
-
-
-def msh(x, cells, groups):
-    """Gmsh's format 2.2: group 1 the body, groups 2 and 3 facets."""
-    dim = x.shape[1]
-    of_cell, of_facet = {1: (1, 15), 2: (2, 1), 3: (4, 2)}[dim]
-    elements = [(of_facet, 2 + g, f) for g, nodes in enumerate(groups) for f, _ in facets_on(cells, nodes, dim)] + [(of_cell, 1, c) for c in cells]
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "3", f'{dim} 1 "all"', f'{dim - 1} 2 "hold"', f'{dim - 1} 3 "skin"',
-             "$EndPhysicalNames", "$Nodes", str(len(x))]
-    lines += [f"{i + 1} " + " ".join(repr(float(v)) for v in [*p, *[0.0] * (3 - dim)]) for i, p in enumerate(x)]
-    lines += ["$EndNodes", "$Elements", str(len(elements))]
-    lines += [f"{i + 1} {kind} 2 {group} {group} " + " ".join(str(n + 1) for n in part) for i, (kind, group, part) in enumerate(elements)]
-    return "\n".join([*lines, "$EndElements", ""])
 
 
 def turned(r, dim):
@@ -146,7 +100,8 @@ class Scene:
         self.kind = r.choice(["backward_euler", "backward_euler", "backward_euler", "static", "newmark", "midpoint"])
         self.moves = self.kind in ("newmark", "midpoint")
         self.size, self.stiff = 10.0 ** r.uniform(-3, 3), 10.0 ** r.uniform(-2, 9)
-        x, self.cells, self.held, self.on_skin = lattice(r, self.dim, {1: 6, 2: r.choice([2, 3]), 3: 2}[self.dim])
+        x, self.cells = lattice(r, self.dim, {1: 6, 2: r.choice([2, 3]), 3: 2}[self.dim])
+        self.held, self.on_skin = ({i for i, p in enumerate(x) if p[0] == side} for side in (0.0, 1.0))
         turn = turned(r, self.dim)
         self.x = self.size * (x @ turn.T)
         self.across = turn[:, 0]  # the normal of what is held
@@ -395,7 +350,7 @@ def judge(program, folder, seed):
     scene = Scene(seed)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "scene.hvi").write_text(scene.script())
-    (folder / "body.msh").write_text(msh(scene.x, scene.cells, (scene.held, scene.on_skin)))
+    (folder / "body.msh").write_text(msh(scene.x, scene.cells, {"hold": scene.held, "skin": scene.on_skin}))
     options = ["--solver", "iterative"] if seed % 5 == 0 else []
     done = subprocess.run([program, "run", "scene.hvi", "--no-files", "--quiet", "--json", "scene.json", *options], cwd=folder, capture_output=True,
                           text=True, timeout=300)
