@@ -182,13 +182,17 @@ def judge(program, path, folder, ranks, kind):
     direct, a = iterative.run(program, path, folder, "direct")
     if direct.returncode != 0:
         return None, f"no answer ({direct.returncode}): {direct.stderr[:300]}"
-    words = []
+    words, effects = [], None
     for n in ranks if kind == "slender" else [1, *ranks]:
         done, b = iterative.run(program, path, folder, "iterative", processes=n)
         if done.returncode != 0:
             return f"{n} processes end with {done.returncode}: {done.stderr[-600:]}", ""
         if not b["certificate"]["certified"]:
             return f"not certified with {n} processes", ""
+        found = [(effect["name"], effect["state"]) for effect in b["plan"]["effects"]]  # symmetry is one of them
+        effects = effects or found
+        if found != effects:
+            return f"other effects with {n} processes: {set(found) ^ set(effects)}", ""
         by = b["plan"].get("assembled_by", 1)
         if by != (1 if kind in OTHERWISE else n):
             return f"{by} of {n} processes assemble", ""
