@@ -1,13 +1,14 @@
 // See body_states.hpp. Called where a run's equations are made, and by its steps.
 #include "solver/discrete/body_states.hpp"
 
+#include "solver/discrete/dealt_matrices.hpp"
 #include "solver/fem/highest_order.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <utility>
 #include <vector>
 
 namespace hvi::solver {
@@ -63,19 +64,6 @@ bool reads_uniform_states_only(const Problem& problem, const FormTerm& form) {
   });
 }
 
-PointForm point_form(const Problem& problem, const Discretisation& d, const Contact& contact,
-                     const FormTerm& form) {
-  if (!reads_uniform_states_only(problem, form))
-    return {d.space,
-            as_block(body_group(problem, contact, form.part, form.origin, "a form").body->points),
-            form};
-  const RegionPoints points(d.space, d.parts[static_cast<std::size_t>(form.part)], form.rule,
-                            degree_of(d.space, form));
-  PointBlock all;
-  points.fill(0, points.entities(), all);
-  return {d.space, std::move(all), form};
-}
-
 /// Is it the time itself?
 bool is_time(const Problem& problem, const StateTerm& state) {
   return is_uniform(state) && state.rate.is(1.0) && !problem.time.is_static &&
@@ -83,43 +71,40 @@ bool is_time(const Problem& problem, const StateTerm& state) {
          std::isinf(state.high);
 }
 
-/// What a form reads of states: their values at the points of their group, or anywhere.
-class StateColumns {
-public:
-  StateColumns(const Problem& problem, const Contact& contact, const Vector& states,
-               const FormTerm& term, std::size_t points)
-      : contact_(contact), states_(states), points_(points),
-        uniform_(reads_uniform_states_only(problem, term)) {
-    for (const auto& entry : term.entries)
-      for (const Slot s : entry.coefficient.slots())
-        if (slot::is_state(s) && is_time(problem, problem.states[index_of(s)])) time_ = value(s);
-  }
+std::size_t index_of(Slot s) { return static_cast<std::size_t>(s - slot::first_state); }
 
-  Pointwise::Columns columns() {
-    return [this](Slot s) -> const double* {
-      if (!slot::is_state(s)) return nullptr;
-      return uniform_ ? everywhere_.try_emplace(s, points_, *value(s)).first->second.data()
-                      : value(s);
-    };
-  }
-  const double* time() const { return time_; } ///< null: it is none of them
+/// Of the states that a form reads, in `states`.
+std::vector<const double*> values_read(const StateReading& reading, const Contact& contact,
+                                       const Vector& states) {
+  std::vector<const double*> out;
+  for (const Slot s : reading.states)
+    out.push_back(states.data() + contact.first_state[index_of(s)]);
+  return out;
+}
 
-private:
-  static std::size_t index_of(Slot s) { return static_cast<std::size_t>(s - slot::first_state); }
-  const double* value(Slot s) const { return states_.data() + contact_.first_state[index_of(s)]; }
+/// Where the states live that a form reads; null: everywhere.
+const LawPoints* points_of_states(const Problem& problem, const Contact& contact,
+                                  const FormTerm& form, const StateReading& reading) {
+  if (reading.uniform) return nullptr;
+  return &body_group(problem, contact, form.part, form.origin, "a form").body->points;
+}
 
-  const Contact& contact_;
-  const Vector& states_;
-  std::size_t points_;
-  bool uniform_;
-  const double* time_ = nullptr;
-  std::map<Slot, std::vector<double>> everywhere_;
-};
+/// The points inside the cells of a part.
+LawTerm term_in_body(const Discretisation& d, int part, Rule rule) {
+  LawTerm out;
+  out.part = part;
+  out.rule = rule;
+  out.rule_of = unknown_of_highest_order(d.space);
+  out.rows.resize(1);
+  out.rows.front().u[0] = 1.0;
+  return out;
+}
 
-void assemble(const Problem& problem, const Contact& contact, const Vector& states,
-              const FormTerm& term, const DofSelection& dofs, PointForm& form, SparseMatrix& into) {
-  StateColumns read(problem, contact, states, term, form.points());
-  form.assemble(dofs, read.columns(), into, read.time());
+LawPoints points_in_body(const Discretisation& d, const LawTerm& term) {
+  LawPoints out =
+      assemble_law(d.space, d.parts[static_cast<std::size_t>(term.part)], term, -1, false);
+  out.g.resize(0, 0);
+  return out;
 }
 
 } // namespace
@@ -162,17 +147,10 @@ FormTerm at_initial_states(const Problem& problem, const FormTerm& form) {
 std::shared_ptr<const BodyPoints> make_body_points(const Problem& problem, const Discretisation& d,
                                                    const StateTerm& state) {
   auto out = std::make_shared<BodyPoints>();
-  LawTerm& term = out->term;
-  term.origin = state.origin;
-  term.name = state.name;
-  term.part = state.part;
-  term.rule = rule_of(problem, d.space.order, state.part);
-  term.rule_of = unknown_of_highest_order(d.space);
-  term.rows.resize(1);
-  term.rows.front().u[0] = 1.0;
-  out->points =
-      assemble_law(d.space, d.parts[static_cast<std::size_t>(state.part)], term, -1, false);
-  out->points.g.resize(0, 0);
+  out->term = term_in_body(d, state.part, rule_of(problem, d.space.order, state.part));
+  out->term.origin = state.origin;
+  out->term.name = state.name;
+  out->points = points_in_body(d, out->term);
   return out;
 }
 
@@ -190,25 +168,96 @@ void add_body_trace(const Discretisation& d, const StateLayout& layout, const St
   }
 }
 
+StateReading reading_of(const Problem& problem, const Discretisation& d, const FormTerm& form) {
+  StateReading out;
+  out.uniform = reads_uniform_states_only(problem, form);
+  out.rule = rule_of(problem, d.space.order, form.part);
+  for (const auto& entry : form.entries)
+    for (const Slot s : entry.coefficient.slots())
+      if (slot::is_state(s)) out.states.push_back(s);
+  std::ranges::sort(out.states);
+  const auto same = std::ranges::unique(out.states);
+  out.states.erase(same.begin(), same.end());
+  for (std::size_t k = 0; k < out.states.size(); ++k)
+    if (is_time(problem, problem.states[index_of(out.states[k])])) out.time = static_cast<int>(k);
+  return out;
+}
+
+PointForm point_form(const Discretisation& d, const FormTerm& form, const StateReading& reading,
+                     const LawPoints* known) {
+  if (!reading.uniform) {
+    PointBlock points = as_block(
+        known != nullptr ? *known : points_in_body(d, term_in_body(d, form.part, reading.rule)));
+    return {d.space, std::move(points), form};
+  }
+  const RegionPoints points(d.space, d.parts[static_cast<std::size_t>(form.part)], form.rule,
+                            degree_of(d.space, form));
+  PointBlock all;
+  points.fill(0, points.entities(), all);
+  return {d.space, std::move(all), form};
+}
+
+StateColumns::StateColumns(const StateReading& reading, std::vector<const double*> values,
+                           std::size_t points)
+    : reading_(reading), values_(std::move(values)), points_(points) {}
+
+Pointwise::Columns StateColumns::columns() {
+  return [this](Slot s) -> const double* {
+    const auto at = std::ranges::lower_bound(reading_.states, s);
+    if (at == reading_.states.end() || *at != s) return nullptr;
+    const auto k = static_cast<std::size_t>(at - reading_.states.begin());
+    return reading_.uniform ? everywhere_.try_emplace(k, points_, *values_[k]).first->second.data()
+                            : values_[k];
+  };
+}
+
 ChangingForms::ChangingForms(const Problem& problem, const Discretisation& d,
-                             const Contact& contact, const Operators& operators)
-    : problem_(&problem) {
-  for (const auto& [base, form] : operators.changing)
-    forms_.push_back({base, form, point_form(problem, d, contact, *form)});
+                             const Contact& contact, const Operators& operators) {
+  for (const auto& [base, form] : operators.changing) {
+    Changing& of = forms_.emplace_back(Changing{base, reading_of(problem, d, *form), {}});
+    const LawPoints* const points = points_of_states(problem, contact, *form, of.reading);
+    if (!operators.dealt)
+      of.form.emplace(point_form(d, *form, of.reading, points));
+    else if (points != nullptr)
+      of.points_of = operators.dealt->points_of_each(points->cell);
+  }
+}
+
+/// By form and state the values at the process's points, or the one of all points.
+std::vector<double> ChangingForms::states_of(int process, const Contact& contact) const {
+  std::vector<double> out;
+  for (const Changing& of : forms_)
+    for (const double* const value : values_read(of.reading, contact, contact.state_values)) {
+      if (of.reading.uniform) out.push_back(*value);
+      if (!of.reading.uniform)
+        for (const int point : of.points_of[static_cast<std::size_t>(process)])
+          out.push_back(value[point]);
+    }
+  return out;
 }
 
 void ChangingForms::take(const Contact& contact, const StateLayout& layout, Operators& operators) {
+  if (operators.dealt && !none()) {
+    operators.dealt->take_states([&](int process) { return states_of(process, contact); });
+    return;
+  }
   const DofSelection dofs{layout.entry_of, layout.n_unknowns, layout.n_state};
-  for (auto& [base, term, form] : forms_)
-    assemble(*problem_, contact, contact.state_values, *term, dofs, form,
-             operators.bases[static_cast<std::size_t>(base)]);
+  for (auto& [base, reading, form, points_of] : forms_) {
+    StateColumns read(reading, values_read(reading, contact, contact.state_values), form->points());
+    form->assemble(dofs, read.columns(), operators.bases[static_cast<std::size_t>(base)],
+                   read.time());
+  }
 }
 
 TimedForms::TimedForms(const Problem& problem, const Discretisation& d, const Contact& contact)
     : problem_(problem), contact_(contact) {
-  for (const FormTerm& form : problem.forms)
-    if (reads_states(form) && reads_uniform_states_only(problem, form))
-      forms_.emplace_back(&form, point_form(problem, d, contact, form));
+  for (const FormTerm& form : problem.forms) {
+    if (!reads_states(form)) continue;
+    StateReading reading = reading_of(problem, d, form);
+    if (!reading.uniform) continue;
+    PointForm at_points = point_form(d, form, reading);
+    forms_.push_back({std::move(reading), std::move(at_points)});
+  }
 }
 
 void TimedForms::check(double t) {
@@ -222,8 +271,8 @@ void TimedForms::check(double t) {
           .setConstant(std::clamp(state.initial.value() + state.rate.value() * passed, state.low,
                                   state.high));
     }
-  for (auto& [term, form] : forms_) {
-    StateColumns read(problem_, contact_, states, *term, form.points());
+  for (auto& [reading, form] : forms_) {
+    StateColumns read(reading, values_read(reading, contact_, states), form.points());
     form.evaluate(read.columns(), read.time());
   }
 }
@@ -237,8 +286,11 @@ SparseMatrix matrix_of_field(const Problem& problem, const Discretisation& d, in
         assemble_form(d.space, d.parts[static_cast<std::size_t>(form.part)],
                       reads_states(form) ? at_initial_states(problem, form) : form);
     if (reads_states(form)) {
-      PointForm at_points = point_form(problem, d, contact, form);
-      assemble(problem, contact, states, form, {}, at_points, of_form);
+      const StateReading reading = reading_of(problem, d, form);
+      PointForm at_points =
+          point_form(d, form, reading, points_of_states(problem, contact, form, reading));
+      StateColumns read(reading, values_read(reading, contact, states), at_points.points());
+      at_points.assemble({}, read.columns(), of_form, read.time());
     }
     out = SparseMatrix(out + of_form);
   }

@@ -12,7 +12,10 @@
 #include "solver/discrete/discretisation.hpp"
 #include "solver/discrete/operators.hpp"
 
+#include <map>
+#include <optional>
 #include <string_view>
+#include <vector>
 
 namespace hvi::solver {
 
@@ -39,6 +42,35 @@ std::shared_ptr<const BodyPoints> make_body_points(const Problem& problem, const
 void add_body_trace(const Discretisation& d, const StateLayout& layout, const StateGroup& group,
                     std::vector<Eigen::Triplet<double>>& entries);
 
+/// What a form reads of states, and the points at which it does.
+struct StateReading {
+  bool uniform = false;     ///< they are the same everywhere, and the points are of the form's rule
+  Rule rule = Rule::gauss;  ///< else the rule of their points inside cells
+  std::vector<Slot> states; ///< which ones, in order
+  int time = -1;            ///< which of these is the time itself; -1: none
+};
+StateReading reading_of(const Problem& problem, const Discretisation& d, const FormTerm& form);
+/// The form at the points of its states, which may be known. Keeps references to the space and the
+/// form.
+PointForm point_form(const Discretisation& d, const FormTerm& form, const StateReading& reading,
+                     const LawPoints* known = nullptr);
+
+/// The values of the states that a form reads, as its coefficients read them.
+class StateColumns {
+public:
+  /// `values`: of each state of the reading, of the points or, if it is uniform, one; they stay
+  /// where they are.
+  StateColumns(const StateReading& reading, std::vector<const double*> values, std::size_t points);
+  Pointwise::Columns columns();
+  const double* time() const { return reading_.time < 0 ? nullptr : values_[reading_.time]; }
+
+private:
+  const StateReading& reading_;
+  std::vector<const double*> values_;
+  std::size_t points_;
+  std::map<std::size_t, std::vector<double>> everywhere_;
+};
+
 /// The base matrices that change with states.
 class ChangingForms {
 public:
@@ -49,16 +81,18 @@ public:
                 const Operators& operators);
 
   bool none() const { return forms_.empty(); }
-  /// Sets the operators' matrices to those of contact.state_values.
+  /// Sets the operators' matrices to those of contact.state_values: here, or where several
+  /// processes have their rows, by these.
   void take(const Contact& contact, const StateLayout& layout, Operators& operators);
 
 private:
   struct Changing {
     int base = 0;
-    const FormTerm* term = nullptr;
-    PointForm form;
+    StateReading reading;
+    std::optional<PointForm> form;             ///< none: several processes have it
+    std::vector<std::vector<int>> points_of{}; ///< by process: which of the points are its
   };
-  const Problem* problem_ = nullptr;
+  std::vector<double> states_of(int process, const Contact& contact) const;
   std::vector<Changing> forms_;
 };
 
@@ -74,7 +108,7 @@ public:
 private:
   const Problem& problem_;
   const Contact& contact_;
-  std::vector<std::pair<const FormTerm*, PointForm>> forms_;
+  std::vector<std::pair<StateReading, PointForm>> forms_;
 };
 
 /// matrix_of_field (operators.hpp) with the states at hand.

@@ -238,6 +238,22 @@ Pieces DealtMatrices::pieces() const {
   });
 }
 
+std::vector<std::vector<int>>
+DealtMatrices::points_of_each(std::span<const std::int32_t> cell) const {
+  std::vector<std::vector<int>> out(of_.size());
+  for (std::size_t p = 0; p < of_.size(); ++p) {
+    std::vector<char> has(d_.mesh.cells.size(), 0);
+    for (const auto own : of_[p].cells) has[own] = 1;
+    for (std::size_t k = 0; k < cell.size(); ++k)
+      if (has[cell[k]] != 0) out[p].push_back(static_cast<int>(k));
+  }
+  return out;
+}
+
+void DealtMatrices::take_states(const std::function<std::vector<double>(int)>& values) const {
+  for (const std::string& answer : ask({set(), MatrixErrand::states}, values)) assembled(answer);
+}
+
 double DealtMatrices::bytes() const { return mine_.bytes(); }
 
 void DealtMatrix::combine(const Vector& gamma) {

@@ -57,6 +57,11 @@ public:
   void forget(int matrix) const noexcept;
   std::uint64_t set() const { return reinterpret_cast<std::uintptr_t>(this); }
   Pieces pieces() const;
+  /// Which of some points, whose cells these are, each process has.
+  std::vector<std::vector<int>> points_of_each(std::span<const std::int32_t> cell) const;
+  /// The forms that read states become those of these (OwnChangingForms::take). Throws what a
+  /// process met with.
+  void take_states(const std::function<std::vector<double>(int)>& values) const;
   double bytes() const; ///< of this process
 
 private:

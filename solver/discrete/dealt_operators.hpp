@@ -2,14 +2,16 @@
 #pragma once
 
 #include "solver/discrete/operators.hpp"
+#include "solver/discrete/own_matrices.hpp"
 
 namespace hvi::solver {
 
-/// Can they? Where no mass is taken off the contact, no states change a form and none acts across a
-/// pair. Others are assembled by the first process.
-bool may_be_dealt(const Problem& problem, const Discretisation& discretisation);
+/// What all processes are to assemble.
+DistinctForms forms_to_deal(const Problem& problem, const Discretisation& discretisation,
+                            const StateLayout& layout);
 
-/// Of such a problem. `processes`: two or more, which are led (processes.hpp).
+/// As assemble_operators makes them, without equal values. `processes`: two or more, which are led
+/// (processes.hpp).
 Operators deal_operators(const Problem& problem, const Discretisation& discretisation,
                          const StateLayout& layout, int processes);
 

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
+#include <utility>
 
 namespace hvi::solver {
 namespace {
@@ -158,6 +160,50 @@ std::optional<SparseMatrix> extension(const Problem& problem, const Discretisati
   return out;
 }
 
+/// By node: does P^T M P have other rows than M there? Dofs that are one are so together.
+std::vector<char> nodes_of_moved_mass(const Discretisation& d, const SparseMatrix& p) {
+  const Space& space = d.space;
+  std::vector<char> out(space.nodes.size(), 0);
+  for (int dof = 0; dof < p.rows(); ++dof) {
+    const int first = p.outerIndexPtr()[dof], end = p.outerIndexPtr()[dof + 1];
+    if (end == first + 1 && p.innerIndexPtr()[first] == dof) continue;
+    const auto node = static_cast<std::size_t>(dof / space.components);
+    out[node] = 1;
+    for (auto k = space.graph->offsets[node]; k < space.graph->offsets[node + 1]; ++k)
+      out[static_cast<std::size_t>(space.graph->neighbours[k])] = 1;
+    for (int e = first; e < end; ++e)
+      out[static_cast<std::size_t>(p.innerIndexPtr()[e] / space.components)] = 1;
+  }
+  for (const bool back : {false, true})
+    for (const DofLink& link : d.dofs.links) {
+      const auto from = static_cast<std::size_t>((back ? link.to : link.dof) / space.components);
+      const auto to = static_cast<std::size_t>((back ? link.dof : link.to) / space.components);
+      out[to] = static_cast<char>(out[to] | out[from]);
+    }
+  return out;
+}
+
+/// What of a part touches one of these nodes.
+Region touching(const Space& space, const Region& part, const std::vector<char>& nodes) {
+  Region out;
+  out.kind = part.kind;
+  const auto any = [&](std::span<const std::int32_t> of) {
+    return std::ranges::any_of(of, [&](auto node) { return nodes[node] != 0; });
+  };
+  for (const auto entity : part.entities)
+    if (part.kind == Group::Kind::cells    ? any(space.nodes_of_cell(entity))
+        : part.kind == Group::Kind::facets ? any(space.nodes_of_facet(entity))
+                                           : nodes[entity] != 0)
+      out.entities.push_back(entity);
+  return out;
+}
+
+/// P^T M P
+SparseMatrix moved(const SparseMatrix& m, const SparseMatrix& p) {
+  const SparseMatrix mp = m * p;
+  return SparseMatrix(SparseMatrix(p.transpose()) * mp);
+}
+
 } // namespace
 
 bool takes_mass_off_contact(const Problem& problem) {
@@ -170,9 +216,28 @@ bool takes_mass_off_contact(const Problem& problem) {
 SparseMatrix inertia_matrix(const Problem& problem, const Discretisation& d) {
   SparseMatrix out = matrix_of_field(problem, d, field_of_u(2));
   const auto p = extension(problem, d);
+  return p ? moved(out, *p) : out;
+}
+
+MovedMass moved_mass(const Problem& problem, const Discretisation& d, const StateLayout& layout) {
+  MovedMass out{{}, SparseMatrix(layout.n_unknowns, layout.n_state)};
+  const auto p = extension(problem, d);
   if (!p) return out;
-  const SparseMatrix mp = out * *p;
-  return SparseMatrix(SparseMatrix(p->transpose()) * mp);
+  const auto nodes = nodes_of_moved_mass(d, *p);
+  SparseMatrix m(d.space.n_dofs(), d.space.n_dofs());
+  for (const FormTerm& form : problem.forms) {
+    if (form.field != field_of_u(2)) continue;
+    const Region around = touching(d.space, d.parts[static_cast<std::size_t>(form.part)], nodes);
+    if (!around.entities.empty()) m = SparseMatrix(m + assemble_form(d.space, around, form));
+  }
+  out.matrix = restrict_rows(moved(m, *p), layout);
+  const auto is_moved = [&](Eigen::Index row) {
+    return nodes[static_cast<std::size_t>(layout.dof_of[row] / d.space.components)] != 0;
+  };
+  out.matrix.prune([&](Eigen::Index row, Eigen::Index, double) { return is_moved(row); });
+  for (std::int32_t row = 0; row < layout.n_unknowns; ++row)
+    if (is_moved(row)) out.rows.push_back(row);
+  return out;
 }
 
 SparseMatrix load_transfer(const Problem& problem, const Discretisation& d) {

@@ -2,7 +2,11 @@
 #pragma once
 
 #include "solver/discrete/discretisation.hpp"
+#include "solver/discrete/state.hpp"
 #include "solver/plan/problem.hpp"
+
+#include <cstdint>
+#include <vector>
 
 namespace hvi::solver {
 
@@ -20,6 +24,16 @@ namespace hvi::solver {
 /// Doyen, A. Ern, Analysis of the modified mass method for the dynamic Signorini problem with
 /// Coulomb friction, SIAM J. Numer. Anal. 49 (2011) 2039-2056.
 SparseMatrix inertia_matrix(const Problem& problem, const Discretisation& discretisation);
+
+/// The rows of that matrix which are others than those of the forms: of nodes that lose their mass,
+/// of those that get it, and of their neighbours.
+struct MovedMass {
+  std::vector<std::int32_t> rows; ///< unknowns, in order
+  SparseMatrix matrix;            ///< unknowns x state; other rows are empty
+};
+/// From the cells around these nodes alone.
+MovedMass moved_mass(const Problem& problem, const Discretisation& discretisation,
+                     const StateLayout& layout);
 
 /// P^T on all dofs, by which loads go where the mass is, so that a body falls as a whole: forces
 /// and moments stay. Imposed dofs keep theirs. Without entries where no node loses its mass.

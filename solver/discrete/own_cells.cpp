@@ -39,14 +39,15 @@ struct Chosen {
 class Cut {
 public:
   Cut(const Discretisation& d, const StateLayout& layout, std::span<const std::int32_t> of_node,
-      int p, std::span<const int> parts)
+      int p, std::span<const int> parts, std::span<const std::int32_t> also)
       : d_(d), layout_(layout), of_node_(of_node), p_(p), parts_(parts), cells_(own_cells()),
-        nodes_(their_nodes()), facets_(needed_facets()) {}
+        nodes_(their_nodes(also)), facets_(needed_facets()) {}
 
   void put_mesh(StateWriter& w) const;
   void put_space(StateWriter& w) const;
   void put_regions(StateWriter& w) const;
   OwnEntries put_layout(StateWriter& w) const;
+  Indices cells() const { return cells_.whole; }
 
 private:
   /// Has this process the row of a state's entry?
@@ -55,7 +56,7 @@ private:
            of_node_[layout_.dof_of[entry] / d_.space.components] == p_;
   }
   std::vector<char> own_cells() const;
-  std::vector<char> their_nodes() const;
+  std::vector<char> their_nodes(std::span<const std::int32_t> also) const;
   std::vector<char> needed_facets() const;
   void put_block(StateWriter& w, const SpaceBlock& block) const;
   const Chosen& of_kind(Group::Kind kind) const {
@@ -82,10 +83,11 @@ std::vector<char> Cut::own_cells() const {
   return out;
 }
 
-std::vector<char> Cut::their_nodes() const {
+std::vector<char> Cut::their_nodes(std::span<const std::int32_t> also) const {
   std::vector<char> out(d_.space.nodes.size(), 0);
   for (const auto cell : cells_.whole)
     for (const auto node : d_.space.nodes_of_cell(cell)) out[node] = 1;
+  for (const auto entry : also) out[layout_.dof_of[entry] / d_.space.components] = 1;
   return out;
 }
 
@@ -325,12 +327,14 @@ std::vector<std::int32_t> parts_of_nodes(const Space& space, const StateLayout& 
 
 OwnEntries put_own_cells(StateWriter& w, const Discretisation& discretisation,
                          const StateLayout& layout, std::span<const std::int32_t> part_of_node,
-                         int p, std::span<const int> parts) {
-  const Cut cut(discretisation, layout, part_of_node, p, parts);
+                         int p, std::span<const int> parts, std::span<const std::int32_t> also) {
+  const Cut cut(discretisation, layout, part_of_node, p, parts, also);
   cut.put_mesh(w);
   cut.put_space(w);
   cut.put_regions(w);
-  return cut.put_layout(w);
+  OwnEntries out = cut.put_layout(w);
+  out.cells = cut.cells();
+  return out;
 }
 
 void get_own_cells(StateReader& r, OwnCells& out) {

@@ -26,16 +26,19 @@ struct OwnCells {
 struct OwnEntries {
   std::vector<std::int32_t> state; ///< of each entry of OwnCells::layout
   int unknowns = 0;                ///< its first entries: those of the process's nodes
+  std::vector<std::int32_t> cells; ///< of the whole mesh, in their order
 };
 
 /// The process of each node: parts of alike size of those that have unknowns, with few cells
 /// between them (METIS, as parts_of_cells). Nodes without unknowns: 0.
 std::vector<std::int32_t> parts_of_nodes(const Space& space, const StateLayout& layout, int parts);
 
-/// Writes the cells of process p as bytes. `parts`: of the plan, which its forms act on.
+/// Writes the cells of process p as bytes. `parts`: of the plan, which its forms act on; `also`:
+/// entries of a state that its rows have columns of, wherever they are.
 OwnEntries put_own_cells(StateWriter& w, const Discretisation& discretisation,
                          const StateLayout& layout, std::span<const std::int32_t> part_of_node,
-                         int p, std::span<const int> parts);
+                         int p, std::span<const int> parts,
+                         std::span<const std::int32_t> also = {});
 /// Reads them where they are to stay: the space points into the mesh.
 void get_own_cells(StateReader& r, OwnCells& out);
 

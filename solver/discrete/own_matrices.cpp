@@ -44,29 +44,132 @@ FormTerm get_form(StateReader& r) {
   return out;
 }
 
+void put_reading(StateWriter& w, const StateReading& reading) {
+  w.put(reading.uniform);
+  w.put(reading.rule);
+  w.put(reading.states);
+  w.put(reading.time);
+}
+
+StateReading get_reading(StateReader& r) {
+  StateReading out;
+  out.uniform = r.get<bool>();
+  out.rule = r.get<Rule>();
+  out.states = r.get_vector<Slot>();
+  out.time = r.get<int>();
+  return out;
+}
+
+/// All but the mass that moves, of which each process has rows of its own.
 void put_forms(StateWriter& w, const DistinctForms& forms) {
   std::vector<Expr> coefficients;
   w.put(forms.couplings);
+  w.put(forms.n_fields);
   w.put(static_cast<int>(forms.terms.size()));
   for (std::size_t f = 0; f < forms.terms.size(); ++f) {
     put_form(w, forms.terms[f], coefficients);
     put_vector(w, forms.weights[f]);
   }
+  w.put(static_cast<int>(forms.inertia.size()));
+  for (const FormTerm& form : forms.inertia) put_form(w, form, coefficients);
+  w.put(static_cast<int>(forms.changing.size()));
+  for (std::size_t f = 0; f < forms.changing.size(); ++f) {
+    put_form(w, forms.changing[f].form, coefficients);
+    put_form(w, forms.changing[f].initial, coefficients);
+    put_reading(w, forms.changing[f].reading);
+    put_vector(w, forms.weights_of_changing[f]);
+  }
   put_expressions(w, coefficients);
 }
 
+/// The coefficients follow all forms, for they have nodes in common.
 DistinctForms get_forms(StateReader& r) {
   DistinctForms out;
   out.couplings = r.get<Couplings>();
+  out.n_fields = r.get<int>();
   for (int left = r.get<int>(); left > 0; --left) {
     out.terms.push_back(get_form(r));
     get_vector(r, out.weights.emplace_back());
   }
+  for (int left = r.get<int>(); left > 0; --left) out.inertia.push_back(get_form(r));
+  for (int left = r.get<int>(); left > 0; --left) {
+    ChangingTerm& term = out.changing.emplace_back();
+    term.form = get_form(r);
+    term.initial = get_form(r);
+    term.reading = get_reading(r);
+    get_vector(r, out.weights_of_changing.emplace_back());
+  }
   const std::vector<Expr> coefficients = get_expressions(r);
   std::size_t next = 0;
-  for (FormTerm& form : out.terms)
+  const auto take = [&](FormTerm& form) {
     for (FormTerm::Entry& entry : form.entries) entry.coefficient = coefficients.at(next++);
+  };
+  std::ranges::for_each(out.terms, take);
+  std::ranges::for_each(out.inertia, take);
+  for (ChangingTerm& term : out.changing) take(term.form), take(term.initial);
   return out;
+}
+
+/// Those of the rows of moved mass that this process has, in its numbers.
+void put_moved(StateWriter& w, const MovedMass& moved, const OwnEntries& entries, int n_state) {
+  std::vector<std::int32_t> here(static_cast<std::size_t>(n_state), -1);
+  for (std::size_t k = 0; k < entries.state.size(); ++k)
+    here[entries.state[k]] = static_cast<std::int32_t>(k);
+  std::vector<std::int32_t> rows, row, column;
+  std::vector<double> value;
+  for (const auto whole : moved.rows) {
+    if (here[whole] < 0 || here[whole] >= entries.unknowns) continue;
+    rows.push_back(here[whole]);
+    for (SparseMatrix::InnerIterator it(moved.matrix, whole); it; ++it) {
+      row.push_back(here[whole]);
+      column.push_back(here[it.col()]);
+      value.push_back(it.value());
+    }
+  }
+  w.put(rows);
+  w.put(row);
+  w.put(column);
+  w.put(value);
+}
+
+MovedMass get_moved(StateReader& r, const StateLayout& layout) {
+  MovedMass out{r.get_vector<std::int32_t>(), SparseMatrix(layout.n_unknowns, layout.n_state)};
+  const auto row = r.get_vector<std::int32_t>();
+  const auto column = r.get_vector<std::int32_t>(row.size());
+  const auto value = r.get_vector<double>(row.size());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t k = 0; k < row.size(); ++k) entries.emplace_back(row[k], column[k], value[k]);
+  out.matrix.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+/// The columns that these rows have in process p.
+std::vector<std::int32_t> columns_of_moved(const MovedMass& moved, const Space& space,
+                                           const StateLayout& layout,
+                                           std::span<const std::int32_t> part_of_node, int p) {
+  std::vector<std::int32_t> out;
+  for (const auto row : moved.rows) {
+    if (part_of_node[layout.dof_of[row] / space.components] != p) continue;
+    for (SparseMatrix::InnerIterator it(moved.matrix, row); it; ++it)
+      out.push_back(static_cast<std::int32_t>(it.col()));
+  }
+  return out;
+}
+
+std::vector<SparseMatrix> assemble_all(const OwnCells& cells, std::span<const FormTerm> forms) {
+  std::vector<const FormTerm*> terms;
+  for (const FormTerm& form : forms) terms.push_back(&form);
+  return assemble_terms(cells.discretisation, cells.layout, terms, 1);
+}
+
+/// The sum of the forms in u'', with the rows of moved mass in the places of its own.
+SparseMatrix own_inertia(const OwnCells& cells, const DistinctForms& forms) {
+  SparseMatrix out(cells.layout.n_unknowns, cells.layout.n_state);
+  for (const SparseMatrix& one : assemble_all(cells, forms.inertia)) out = SparseMatrix(out + one);
+  std::vector<char> is_moved(static_cast<std::size_t>(out.rows()), 0);
+  for (const auto row : forms.moved.rows) is_moved[row] = 1;
+  out.prune([&](Eigen::Index row, Eigen::Index, double) { return is_moved[row] == 0; });
+  return SparseMatrix(out + forms.moved.matrix);
 }
 
 void put_placed(StateWriter& w, const OwnEntries& entries, std::span<const std::int32_t> place,
@@ -91,6 +194,34 @@ PlacedRows get_placed(StateReader& r) {
   out.column = r.get_vector<std::int32_t>();
   out.of_unknown = r.get_vector<std::uint8_t>();
   return out;
+}
+
+/// Of the forms that no states change; `forms` gets the weights of these matrices.
+std::vector<SparseMatrix> constant_matrices(const OwnCells& cells, DistinctForms& forms) {
+  auto out = assemble_all(cells, forms.terms);
+  if (!forms.inertia.empty()) {
+    out.push_back(own_inertia(cells, forms));
+    forms.weights.push_back(Vector::Unit(forms.n_fields, field_of_u(2)));
+  }
+  take_apart(forms.couplings, cells.discretisation.space, cells.layout, out);
+  merge_equal_weights(out, forms.weights);
+  return out;
+}
+
+/// Appends the matrices of the forms that states change, and their weights; null: there are none.
+std::unique_ptr<OwnChangingForms> changing_forms(std::unique_ptr<const OwnCells> cells,
+                                                 DistinctForms& forms,
+                                                 std::vector<SparseMatrix>& matrices) {
+  if (forms.changing.empty()) return nullptr;
+  const auto first = static_cast<int>(matrices.size());
+  std::vector<FormTerm> initial;
+  for (const ChangingTerm& term : forms.changing) initial.push_back(term.initial);
+  auto made = assemble_all(*cells, initial);
+  matrices.insert(matrices.end(), made.begin(), made.end());
+  forms.weights.insert(forms.weights.end(), forms.weights_of_changing.begin(),
+                       forms.weights_of_changing.end());
+  return std::make_unique<OwnChangingForms>(std::move(cells), std::move(forms.changing),
+                                            std::move(made), first);
 }
 
 /// Room for so many numbers, as an answer.
@@ -174,6 +305,7 @@ std::string answer_of(OwnRows& rows, const MatrixErrand& errand, std::span<const
     rows.forget(errand.matrix);
     break;
   case MatrixErrand::assemble:
+  case MatrixErrand::states:
   case MatrixErrand::end: // of sets
     break;
   }
@@ -218,9 +350,13 @@ OwnEntries put_assembly(StateWriter& w, const Discretisation& discretisation,
                         const DistinctForms& forms) {
   std::vector<int> parts;
   for (const FormTerm& form : forms.terms) parts.push_back(form.part);
-  OwnEntries out = put_own_cells(w, discretisation, layout, part_of_node, p, parts);
+  for (const FormTerm& form : forms.inertia) parts.push_back(form.part);
+  for (const ChangingTerm& term : forms.changing) parts.push_back(term.form.part);
+  const auto also = columns_of_moved(forms.moved, discretisation.space, layout, part_of_node, p);
+  OwnEntries out = put_own_cells(w, discretisation, layout, part_of_node, p, parts, also);
   put_placed(w, out, place, first_row[p], first_row[p + 1], discretisation.space, layout);
   put_forms(w, forms);
+  put_moved(w, forms.moved, out, layout.n_state);
   return out;
 }
 
@@ -228,18 +364,25 @@ std::string OwnMatrices::assemble(std::uint64_t set, std::string_view bytes) {
   try {
     std::istringstream in{std::string(bytes)};
     StateReader r(in, {});
-    OwnCells cells;
-    get_own_cells(r, cells);
+    auto cells = std::make_unique<OwnCells>();
+    get_own_cells(r, *cells);
     PlacedRows placed = get_placed(r);
     DistinctForms forms = get_forms(r);
-    std::vector<const FormTerm*> terms;
-    for (const FormTerm& form : forms.terms) terms.push_back(&form);
-    auto matrices = assemble_terms(cells.discretisation, cells.layout, terms, 1);
-    take_apart(forms.couplings, cells.discretisation.space, cells.layout, matrices);
-    merge_equal_weights(matrices, forms.weights);
+    forms.moved = get_moved(r, cells->layout);
+    auto matrices = constant_matrices(*cells, forms);
+    auto changing = changing_forms(std::move(cells), forms, matrices);
     sets_.erase(set);
-    sets_.try_emplace(set, std::move(matrices), std::move(placed));
+    sets_.try_emplace(set, OwnRows(std::move(matrices), std::move(placed)), std::move(changing));
     return made(forms.weights);
+  } catch (const Failure& failure) {
+    return failed(failure);
+  }
+}
+
+std::string OwnMatrices::take_states(Set& of, std::span<const double> values) {
+  try {
+    of.changing->take(values, of.rows);
+    return made({});
   } catch (const Failure& failure) {
     return failed(failure);
   }
@@ -251,15 +394,17 @@ std::string OwnMatrices::answer(std::string_view message) {
   std::memcpy(&errand, message.data(), sizeof errand);
   const std::string_view rest = message.substr(sizeof errand);
   if (errand.what == MatrixErrand::assemble) return assemble(errand.set, rest);
+  if (errand.what == MatrixErrand::states)
+    return take_states(sets_.at(errand.set), numbers_in(rest));
   if (errand.what != MatrixErrand::end)
-    return answer_of(sets_.at(errand.set), errand, numbers_in(rest));
+    return answer_of(sets_.at(errand.set).rows, errand, numbers_in(rest));
   sets_.erase(errand.set);
   return {};
 }
 
 double OwnMatrices::bytes() const {
   double out = 0.0;
-  for (const auto& [set, rows] : sets_) out += rows.bytes();
+  for (const auto& [set, of] : sets_) out += of.rows.bytes();
   return out;
 }
 

@@ -3,13 +3,16 @@
 #pragma once
 
 #include "solver/common/stream.hpp"
+#include "solver/discrete/inertia.hpp"
 #include "solver/discrete/own_cells.hpp"
+#include "solver/discrete/own_states.hpp"
 #include "solver/linear/own_rows.hpp"
 #include "solver/plan/couplings.hpp"
 #include "solver/plan/problem.hpp"
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,6 +26,14 @@ struct DistinctForms {
   std::vector<FormTerm> terms;
   std::vector<Vector> weights;
   Couplings couplings{}; ///< of several unknowns
+  int n_fields = 0;
+  /// Not among `terms`: those in u'', where nodes lose their mass (inertia.hpp). The base matrix of
+  /// their sum comes behind those of `terms`.
+  std::vector<FormTerm> inertia{};
+  MovedMass moved{};
+  /// Those that read states, each with a base matrix of its own, behind all others.
+  std::vector<ChangingTerm> changing{};
+  std::vector<Vector> weights_of_changing{};
 };
 
 /// A message is this, and numbers behind it: what `what` asks for, of the matrices `set`.
@@ -35,6 +46,7 @@ struct MatrixErrand {
     diagonal,   ///< OwnRows::diagonal
     transposed, ///< OwnRows::transposed of numbers of its rows
     asymmetry,  ///< OwnRows::asymmetry
+    states,     ///< OwnChangingForms::take of these values, to be answered as assembled() reads it
     sum,        ///< OwnRows::combine by these coefficients
     stiffen,    ///< OwnRows::stiffen by these numbers
     place,      ///< OwnRows::place, `number` for the rows that are no unknown's
@@ -54,7 +66,7 @@ std::string message_of(const MatrixErrand& errand, std::string_view bytes);
 /// An answer's numbers.
 std::span<const double> numbers_in(std::string_view answer);
 /// The weights of the base matrices that a process has made of the forms, which are the same in
-/// all. Throws the failure that it met with.
+/// all; none where it took states. Throws the failure that it met with.
 std::vector<Vector> assembled(std::string_view answer);
 
 /// What process p needs to assemble its rows. `place`: by state entry, as PlacedRows::column;
@@ -69,12 +81,19 @@ class OwnMatrices {
 public:
   /// The answer to a message of the first process.
   std::string answer(std::string_view message);
-  RowArrays placed(std::uint64_t set, int matrix) const { return sets_.at(set).placed(matrix); }
+  RowArrays placed(std::uint64_t set, int matrix) const {
+    return sets_.at(set).rows.placed(matrix);
+  }
   double bytes() const;
 
 private:
+  struct Set {
+    OwnRows rows;
+    std::unique_ptr<OwnChangingForms> changing; ///< null: states change nothing
+  };
   std::string assemble(std::uint64_t set, std::string_view bytes);
-  std::map<std::uint64_t, OwnRows> sets_;
+  static std::string take_states(Set& of, std::span<const double> values);
+  std::map<std::uint64_t, Set> sets_;
 };
 
 } // namespace hvi::solver

@@ -98,10 +98,9 @@ private:
 /// matrices then: it may go on from the checkpoint of several.
 Operators operators_for_iterations(const Plan& plan, const Discretisation& d,
                                    const StateLayout& layout) {
-  const bool may = may_be_dealt(plan.problem, d);
-  if (const int processes = may ? processes_led() : 1; processes > 1)
-    return deal_operators(plan.problem, d, layout, processes);
-  return assemble_operators(plan.problem, d, layout, plan.options.threads, !may);
+  const int processes = plan.problem.forms.empty() ? 1 : processes_led();
+  if (processes > 1) return deal_operators(plan.problem, d, layout, processes);
+  return assemble_operators(plan.problem, d, layout, plan.options.threads, false);
 }
 
 /// Where nobody asked for a solver the first process assembles, for the choice goes by that.

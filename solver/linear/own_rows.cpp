@@ -32,20 +32,6 @@ SparseMatrix pattern_of_all(const std::vector<SparseMatrix>& matrices) {
   return SparseMatrix(out + diagonal);
 }
 
-/// The values of `of` at the entries of a pattern that has all of its.
-std::vector<double> values_in(const SparseMatrix& pattern, const SparseMatrix& of) {
-  std::vector<double> out(static_cast<std::size_t>(pattern.nonZeros()), 0.0);
-  const int* const column = pattern.innerIndexPtr();
-  for (int i = 0; i < of.rows(); ++i) {
-    int at = pattern.outerIndexPtr()[i];
-    for (SparseMatrix::InnerIterator it(of, i); it; ++it, ++at) {
-      while (column[at] < it.col()) ++at;
-      out[static_cast<std::size_t>(at)] = it.value();
-    }
-  }
-  return out;
-}
-
 } // namespace
 
 OwnRows::OwnRows(std::vector<SparseMatrix> bases, PlacedRows placed)
@@ -59,10 +45,25 @@ OwnRows::OwnRows(std::vector<SparseMatrix> bases, PlacedRows placed)
   }
   for (int b = 0; b < bases_; ++b) {
     SparseMatrix& base = bases[static_cast<std::size_t>(b)];
-    values_[b] = values_in(pattern, base);
+    values_[b] = values_of(base);
     SparseMatrix().swap(base);
   }
 }
+
+/// At the entries of the pattern, which has all of its.
+std::vector<double> OwnRows::values_of(const SparseMatrix& matrix) const {
+  std::vector<double> out(column_.size(), 0.0);
+  for (int i = 0; i < matrix.rows(); ++i) {
+    int at = start_[i];
+    for (SparseMatrix::InnerIterator it(matrix, i); it; ++it, ++at) {
+      while (column_[at] < it.col()) ++at;
+      out[static_cast<std::size_t>(at)] = it.value();
+    }
+  }
+  return out;
+}
+
+void OwnRows::replace(int b, const SparseMatrix& base) { values_[b] = values_of(base); }
 
 /// Four sums at a time: one would wait for its own last addition.
 void OwnRows::products(int a, std::span<const double> x, std::span<double> out) const {

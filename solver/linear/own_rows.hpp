@@ -33,6 +33,9 @@ public:
   /// is matrix b.
   OwnRows(std::vector<SparseMatrix> bases, PlacedRows placed);
 
+  /// Base b gets other values; its pattern is that which it had, or less.
+  void replace(int b, const SparseMatrix& base);
+
   int rows() const { return static_cast<int>(start_.size()) - 1; }
   int columns() const { return static_cast<int>(placed_.column.size()); }
 
@@ -72,6 +75,8 @@ private:
   };
   const std::vector<double>& values(int a) const { return values_.at(a); }
   void whole_of_each(int a, std::span<const double> x, std::span<double> whole) const;
+
+  std::vector<double> values_of(const SparseMatrix& matrix) const;
 
   std::vector<int> start_, column_; ///< of all matrices
   std::vector<int> own_;            ///< by row where its diagonal is

@@ -49,7 +49,7 @@ void Balance::note_past(int n) {
   product_.setZero();
   for (const auto& [base, form] : operators.changing) {
     if (!evolution_.past_part(operators.weights, base, state_)) continue;
-    product_.noalias() += operators.bases[static_cast<std::size_t>(base)] * state_;
+    add_product_of_base(operators, base, 1.0, state_, product_);
     ++products;
   }
   load.note_forces(product_);

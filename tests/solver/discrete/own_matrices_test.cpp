@@ -1,6 +1,8 @@
 // The rows that several processes assemble on their own cells, against the whole matrices.
+#include "solver/discrete/body_states.hpp"
+#include "solver/discrete/contact.hpp"
 #include "solver/discrete/dealt_operators.hpp"
-#include "solver/discrete/distinct_forms.hpp"
+#include "solver/discrete/inertia.hpp"
 #include "solver/discrete/operators.hpp"
 #include "solver/discrete/own_matrices.hpp"
 #include "solver/discrete/rounding.hpp"
@@ -23,10 +25,7 @@ public:
   Dealt(const Plan& plan, int processes) : processes_(processes) {
     for (const auto& mistake : discretise(plan, d)) throw mistake;
     layout = make_layout(d.space, d.dofs);
-    const auto distinct = distinct_terms(plan.problem, count_fields(plan.problem),
-                                         [](const FormTerm&) { return true; });
-    DistinctForms forms{{}, distinct.weights, couplings_of(plan.problem)};
-    for (const FormTerm* term : distinct.terms) forms.terms.push_back(*term);
+    const DistinctForms forms = forms_to_deal(plan.problem, d, layout);
     const auto part = parts_of_nodes(d.space, layout, processes);
     std::vector<int> first(static_cast<std::size_t>(processes) + 1, 0); // rows as unknowns are
     for (int i = 0; i < layout.n_unknowns; ++i)
@@ -73,6 +72,11 @@ public:
     const auto said = numbers_in(answer);
     return {said.begin(), said.end()};
   }
+  /// States become these: by process what OwnChangingForms::take is to have.
+  std::string take_states(int p, const std::vector<double>& values) {
+    return others_[p].answer(message_of({1, MatrixErrand::states}, values));
+  }
+  const std::vector<std::int32_t>& cells(int p) const { return of_[p].cells; }
   int entry(int p, double here) const { return of_[p].state[static_cast<std::size_t>(here)]; }
   /// y += what the rows of process p add to A^T x.
   void add_transposed(int p, int matrix, const Vector& x, Vector& y) {
@@ -268,20 +272,6 @@ TEST(OwnMatrices, FailuresComeBack) {
   }
 }
 
-TEST(OwnMatrices, MassThatIsTakenOffTheContactIsNotDealtOut) {
-  const auto may = [](const Plan& plan) {
-    Discretisation d;
-    for (const auto& mistake : discretise(plan, d)) throw mistake;
-    return may_be_dealt(plan.problem, d);
-  };
-  Plan plan = slab(2, 2);
-  plan.problem.forms.push_back(springs(body, 1.0));
-  plan.problem.forms.back().field = field_of_u(2);
-  EXPECT_TRUE(may(plan));
-  plan.problem.time.scheme = Scheme::midpoint;
-  EXPECT_FALSE(may(plan));
-}
-
 // Which entry has its mirror image where is asked of all processes together.
 TEST(OwnMatrices, EntriesWithoutMirrorImagesAreFound) {
   Plan plan = slab(3, 2);
@@ -367,6 +357,162 @@ TEST(OwnMatrices, SeveralUnknownsAreDealtOut) {
   plan.problem.forms.push_back(conducts);
   plan.problem.forms.push_back(expands);
   expect_rows_of_the_whole(plan, true);
+}
+
+/// A slab on a wall, with a mass inside, more of it at one end, and some on the flank.
+Plan thrown_slab(int dim, int order) {
+  Plan plan = slab(dim == 2 ? 5 : 2, 2, dim);
+  plan.problem.space.order = order;
+  plan.problem.time.scheme = Scheme::midpoint;
+  const Expr r = var(slot::argument(0)), x = var(slot::x(0));
+  plan.problem.laws[0].expression = select(less_equal(r, 0.0), 0.0, 1e300);
+  for (const int part : {body, flank}) {
+    plan.problem.forms.push_back({});
+    FormTerm& mass = plan.problem.forms.back();
+    mass.part = part;
+    mass.field = field_of_u(2);
+    for (int i = 0; i < dim; ++i)
+      mass.entries.push_back({slot::value(i), slot::value(i), 2.0 + x * x});
+  }
+  return plan;
+}
+
+/// Walls inside it, too: nodes that are far from all others keep their mass.
+void add_walls_inside(Plan& plan) {
+  LawTerm term = plan.problem.law_terms[0];
+  term.part = static_cast<int>(plan.problem.parts.size());
+  term.rows = {{}};
+  term.rows[0].u[0] = 1.0;
+  plan.problem.parts.push_back(all_cells("half"));
+  plan.problem.parts.back().region.kind = RegionSpec::Kind::where;
+  plan.problem.parts.back().region.children.resize(1);
+  plan.problem.parts.back().region.predicate = less(var(slot::x(0)), 1.3);
+  plan.problem.law_terms.push_back(std::move(term));
+}
+
+// Rows of nodes that get mass have columns which are none of their cells'.
+TEST(OwnMatrices, MassThatIsTakenOffWallsIsDealtOut) {
+  for (const auto& [dim, order] :
+       {std::pair(2, 1), std::pair(2, 2), std::pair(3, 1), std::pair(3, 2)})
+    for (const bool periodic : {false, true}) {
+      Plan plan = thrown_slab(dim, order);
+      if (!periodic) add_walls_inside(plan);
+      if (periodic) {
+        plan.problem.parts.push_back(group("left", "left"));
+        plan.problem.space.periodic = {
+            {{}, flank, static_cast<int>(plan.problem.parts.size()) - 1}};
+      }
+      for (const int processes : {1, 2, 5}) {
+        Dealt dealt(plan, processes);
+        const DenseMatrix all =
+            DenseMatrix(restrict_rows(inertia_matrix(plan.problem, dealt.d), dealt.layout));
+        const DenseMatrix plain = DenseMatrix(
+            restrict_rows(matrix_of_field(plan.problem, dealt.d, field_of_u(2)), dealt.layout));
+        EXPECT_GT((all - plain).norm(), 0.1 * plain.norm());
+        EXPECT_LE((dealt.matrix(field_of_u(2)) - all).lpNorm<Eigen::Infinity>(),
+                  1e-14 * all.lpNorm<Eigen::Infinity>())
+            << dim << "D, P" << order << ", " << processes << " processes";
+        const DenseMatrix stiff = DenseMatrix(whole(plan, dealt, field_of_u(0)));
+        EXPECT_LE((dealt.matrix(field_of_u(0)) - stiff).lpNorm<Eigen::Infinity>(),
+                  1e-14 * stiff.lpNorm<Eigen::Infinity>());
+      }
+    }
+}
+
+StateTerm state_inside(std::string name, int part, Expr rate) {
+  StateTerm out;
+  out.name = std::move(name);
+  out.part = part;
+  out.rate = std::move(rate);
+  out.initial = 0.1 + 0.2 * var(slot::x(0));
+  return out;
+}
+
+/// A slab whose stiffness falls with a state, whose viscosity grows with the time, and whose right
+/// half has springs that a state of its own changes.
+Plan ageing_slab(int dim, int order) {
+  Plan plan = slab(dim == 2 ? 4 : 2, 2, dim);
+  plan.problem.space.order = order;
+  const int half = static_cast<int>(plan.problem.parts.size());
+  plan.problem.parts.push_back(all_cells("half"));
+  plan.problem.parts.back().region.kind = RegionSpec::Kind::where;
+  plan.problem.parts.back().region.children = {RegionSpec{}};
+  plan.problem.parts.back().region.predicate = less(1.0, var(slot::x(0)));
+  plan.problem.states = {state_inside("d", body, var(slot::x(1))), state_inside("time", body, 1.0),
+                         state_inside("e", half, 0.5)};
+  plan.problem.states[1].initial = 0.0;
+  const auto read = [](int i) { return var(slot::state(i)); };
+  for (auto& entry : plan.problem.forms[1].entries)
+    entry.coefficient = entry.coefficient * (1.0 - read(0)) * (1.0 + var(slot::x(1)));
+  for (auto& entry : plan.problem.forms[0].entries)
+    entry.coefficient = entry.coefficient * (1.0 + 0.5 * read(1));
+  plan.problem.forms.push_back(springs(half, 7.0 + read(2) * read(2)));
+  return plan;
+}
+
+/// Of each process the states at its points, by form as forms_to_deal has them.
+std::vector<double> states_here(const Plan& plan, const Dealt& dealt, const Contact& contact,
+                                int p) {
+  const DistinctForms forms = forms_to_deal(plan.problem, dealt.d, dealt.layout);
+  std::vector<double> out;
+  for (const ChangingTerm& term : forms.changing)
+    for (const Slot s : term.reading.states) {
+      const double* const values =
+          contact.state_values.data() +
+          contact.first_state[static_cast<std::size_t>(s - slot::first_state)];
+      if (term.reading.uniform) {
+        out.push_back(*values);
+        continue;
+      }
+      const auto& cell =
+          body_group(plan.problem, contact, term.form.part, {}, "").body->points.cell;
+      for (std::size_t k = 0; k < cell.size(); ++k)
+        if (std::ranges::binary_search(dealt.cells(p), cell[k])) out.push_back(values[k]);
+    }
+  return out;
+}
+
+TEST(OwnMatrices, FormsThatStatesChangeAreDealtOut) {
+  for (const auto& [dim, order] : {std::pair(2, 1), std::pair(2, 2), std::pair(3, 1)}) {
+    const Plan plan = ageing_slab(dim, order);
+    for (const int processes : {1, 2, 4}) {
+      Dealt dealt(plan, processes);
+      Contact contact = make_contact(plan.problem, dealt.d, dealt.layout);
+      for (Eigen::Index i = 0; i < contact.state_values.size(); ++i)
+        contact.state_values[i] = 0.5 + 0.4 * std::sin(1.7 * static_cast<double>(i));
+      const double now = 0.75;
+      contact.state_values.segment(contact.first_state[1], contact.state_groups[0].n_points)
+          .setConstant(now);
+      for (int p = 0; p < processes; ++p)
+        assembled(dealt.take_states(p, states_here(plan, dealt, contact, p)));
+      for (const int field : {field_of_u(0), field_of_u(1), field_of_memory(0)}) {
+        const DenseMatrix all = DenseMatrix(restrict_rows(
+            matrix_of_field(plan.problem, dealt.d, field, contact, contact.state_values),
+            dealt.layout));
+        EXPECT_LE((dealt.matrix(field) - all).lpNorm<Eigen::Infinity>(),
+                  1e-14 * all.lpNorm<Eigen::Infinity>())
+            << dim << "D, P" << order << ", " << processes << " processes, field " << field;
+      }
+    }
+  }
+}
+
+// A coefficient that is no number at these states.
+TEST(OwnMatrices, FailuresOfStatesComeBack) {
+  Plan plan = ageing_slab(2, 1);
+  plan.problem.forms[1].origin = {42};
+  for (auto& entry : plan.problem.forms[1].entries)
+    entry.coefficient = entry.coefficient * log(2.0 - var(slot::state(0)));
+  Dealt dealt(plan, 2);
+  Contact contact = make_contact(plan.problem, dealt.d, dealt.layout);
+  contact.state_values.setConstant(3.0);
+  try {
+    assembled(dealt.take_states(1, states_here(plan, dealt, contact, 1)));
+    FAIL();
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.kind, FailureKind::bad_value);
+    EXPECT_EQ(failure.origin, Origin{42});
+  }
 }
 
 } // namespace
