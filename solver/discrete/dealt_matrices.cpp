@@ -14,7 +14,7 @@
 namespace hvi::solver {
 
 DealtMatrices::DealtMatrices(const Discretisation& discretisation, const StateLayout& layout,
-                             const DistinctForms& forms, int processes, UnknownsOfNodes& unknowns)
+                             const DealtForms& forms, int processes, UnknownsOfNodes& unknowns)
     : d_(discretisation), processes_(processes), n_unknowns_(layout.n_unknowns) {
   const auto part_of_node = parts_of_nodes(d_.space, layout, processes_);
   deal_out_nodes(layout, part_of_node, unknowns);

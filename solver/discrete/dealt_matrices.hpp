@@ -21,7 +21,7 @@ public:
   /// All processes assemble these forms. `unknowns` learns where its nodes are. Keeps a reference
   /// to the discretisation. Throws what a process met with.
   DealtMatrices(const Discretisation& discretisation, const StateLayout& layout,
-                const DistinctForms& forms, int processes, UnknownsOfNodes& unknowns);
+                const DealtForms& forms, int processes, UnknownsOfNodes& unknowns);
   ~DealtMatrices();
   DealtMatrices(const DealtMatrices&) = delete;
   DealtMatrices& operator=(const DealtMatrices&) = delete;

@@ -25,9 +25,9 @@ DistinctTerms changing_terms(const Problem& problem) {
 
 } // namespace
 
-DistinctForms forms_to_deal(const Problem& problem, const Discretisation& d,
-                            const StateLayout& layout) {
-  DistinctForms out;
+DealtForms forms_to_deal(const Problem& problem, const Discretisation& d,
+                         const StateLayout& layout) {
+  DealtForms out;
   out.n_fields = count_fields(problem);
   out.couplings = couplings_of(problem);
   const bool plain_inertia = !takes_mass_off_contact(problem);
@@ -51,7 +51,7 @@ DistinctForms forms_to_deal(const Problem& problem, const Discretisation& d,
 
 Operators deal_operators(const Problem& problem, const Discretisation& d, const StateLayout& layout,
                          int processes) {
-  const DistinctForms forms = forms_to_deal(problem, d, layout);
+  const DealtForms forms = forms_to_deal(problem, d, layout);
   const auto changing = changing_terms(problem).terms;
   if (!changing.empty()) check_initial_states(problem, d);
   auto unknowns = nodes_of_unknowns(d, layout);

@@ -7,8 +7,8 @@
 namespace hvi::solver {
 
 /// What all processes are to assemble.
-DistinctForms forms_to_deal(const Problem& problem, const Discretisation& discretisation,
-                            const StateLayout& layout);
+DealtForms forms_to_deal(const Problem& problem, const Discretisation& discretisation,
+                         const StateLayout& layout);
 
 /// As assemble_operators makes them, without equal values. `processes`: two or more, which are led
 /// (processes.hpp).

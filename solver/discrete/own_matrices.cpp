@@ -4,7 +4,6 @@
 #include "solver/discrete/distinct_forms.hpp"
 #include "solver/discrete/operators.hpp"
 #include "solver/discrete/rounding.hpp"
-#include "solver/kernel/expr_stream.hpp"
 #include "solver/linear/vector_stream.hpp"
 
 #include <algorithm>
@@ -16,146 +15,6 @@
 namespace hvi::solver {
 namespace {
 
-/// Of a form what its assembly reads.
-void put_form(StateWriter& w, const FormTerm& form, std::vector<Expr>& coefficients) {
-  w.put(form.origin);
-  w.put(form.part);
-  w.put(form.field);
-  w.put(form.rule);
-  w.put(static_cast<int>(form.entries.size()));
-  for (const FormTerm::Entry& entry : form.entries) {
-    w.put(entry.test);
-    w.put(entry.trial);
-    coefficients.push_back(entry.coefficient);
-  }
-}
-
-FormTerm get_form(StateReader& r) {
-  FormTerm out;
-  out.origin = r.get<Origin>();
-  out.part = r.get<int>();
-  out.field = r.get<int>();
-  out.rule = r.get<Rule>();
-  out.entries.resize(static_cast<std::size_t>(r.get<int>()));
-  for (FormTerm::Entry& entry : out.entries) {
-    entry.test = r.get<int>();
-    entry.trial = r.get<int>();
-  }
-  return out;
-}
-
-void put_reading(StateWriter& w, const StateReading& reading) {
-  w.put(reading.uniform);
-  w.put(reading.rule);
-  w.put(reading.states);
-  w.put(reading.time);
-}
-
-StateReading get_reading(StateReader& r) {
-  StateReading out;
-  out.uniform = r.get<bool>();
-  out.rule = r.get<Rule>();
-  out.states = r.get_vector<Slot>();
-  out.time = r.get<int>();
-  return out;
-}
-
-/// All but the mass that moves, of which each process has rows of its own.
-void put_forms(StateWriter& w, const DistinctForms& forms) {
-  std::vector<Expr> coefficients;
-  w.put(forms.couplings);
-  w.put(forms.n_fields);
-  w.put(static_cast<int>(forms.terms.size()));
-  for (std::size_t f = 0; f < forms.terms.size(); ++f) {
-    put_form(w, forms.terms[f], coefficients);
-    put_vector(w, forms.weights[f]);
-  }
-  w.put(static_cast<int>(forms.inertia.size()));
-  for (const FormTerm& form : forms.inertia) put_form(w, form, coefficients);
-  w.put(static_cast<int>(forms.changing.size()));
-  for (std::size_t f = 0; f < forms.changing.size(); ++f) {
-    put_form(w, forms.changing[f].form, coefficients);
-    put_form(w, forms.changing[f].initial, coefficients);
-    put_reading(w, forms.changing[f].reading);
-    put_vector(w, forms.weights_of_changing[f]);
-  }
-  put_expressions(w, coefficients);
-}
-
-/// The coefficients follow all forms, for they have nodes in common.
-DistinctForms get_forms(StateReader& r) {
-  DistinctForms out;
-  out.couplings = r.get<Couplings>();
-  out.n_fields = r.get<int>();
-  for (int left = r.get<int>(); left > 0; --left) {
-    out.terms.push_back(get_form(r));
-    get_vector(r, out.weights.emplace_back());
-  }
-  for (int left = r.get<int>(); left > 0; --left) out.inertia.push_back(get_form(r));
-  for (int left = r.get<int>(); left > 0; --left) {
-    ChangingTerm& term = out.changing.emplace_back();
-    term.form = get_form(r);
-    term.initial = get_form(r);
-    term.reading = get_reading(r);
-    get_vector(r, out.weights_of_changing.emplace_back());
-  }
-  const std::vector<Expr> coefficients = get_expressions(r);
-  std::size_t next = 0;
-  const auto take = [&](FormTerm& form) {
-    for (FormTerm::Entry& entry : form.entries) entry.coefficient = coefficients.at(next++);
-  };
-  std::ranges::for_each(out.terms, take);
-  std::ranges::for_each(out.inertia, take);
-  for (ChangingTerm& term : out.changing) take(term.form), take(term.initial);
-  return out;
-}
-
-/// Those of the rows of moved mass that this process has, in its numbers.
-void put_moved(StateWriter& w, const MovedMass& moved, const OwnEntries& entries, int n_state) {
-  std::vector<std::int32_t> here(static_cast<std::size_t>(n_state), -1);
-  for (std::size_t k = 0; k < entries.state.size(); ++k)
-    here[entries.state[k]] = static_cast<std::int32_t>(k);
-  std::vector<std::int32_t> rows, row, column;
-  std::vector<double> value;
-  for (const auto whole : moved.rows) {
-    if (here[whole] < 0 || here[whole] >= entries.unknowns) continue;
-    rows.push_back(here[whole]);
-    for (SparseMatrix::InnerIterator it(moved.matrix, whole); it; ++it) {
-      row.push_back(here[whole]);
-      column.push_back(here[it.col()]);
-      value.push_back(it.value());
-    }
-  }
-  w.put(rows);
-  w.put(row);
-  w.put(column);
-  w.put(value);
-}
-
-MovedMass get_moved(StateReader& r, const StateLayout& layout) {
-  MovedMass out{r.get_vector<std::int32_t>(), SparseMatrix(layout.n_unknowns, layout.n_state)};
-  const auto row = r.get_vector<std::int32_t>();
-  const auto column = r.get_vector<std::int32_t>(row.size());
-  const auto value = r.get_vector<double>(row.size());
-  std::vector<Eigen::Triplet<double>> entries;
-  for (std::size_t k = 0; k < row.size(); ++k) entries.emplace_back(row[k], column[k], value[k]);
-  out.matrix.setFromTriplets(entries.begin(), entries.end());
-  return out;
-}
-
-/// The columns that these rows have in process p.
-std::vector<std::int32_t> columns_of_moved(const MovedMass& moved, const Space& space,
-                                           const StateLayout& layout,
-                                           std::span<const std::int32_t> part_of_node, int p) {
-  std::vector<std::int32_t> out;
-  for (const auto row : moved.rows) {
-    if (part_of_node[layout.dof_of[row] / space.components] != p) continue;
-    for (SparseMatrix::InnerIterator it(moved.matrix, row); it; ++it)
-      out.push_back(static_cast<std::int32_t>(it.col()));
-  }
-  return out;
-}
-
 std::vector<SparseMatrix> assemble_all(const OwnCells& cells, std::span<const FormTerm> forms) {
   std::vector<const FormTerm*> terms;
   for (const FormTerm& form : forms) terms.push_back(&form);
@@ -163,7 +22,7 @@ std::vector<SparseMatrix> assemble_all(const OwnCells& cells, std::span<const Fo
 }
 
 /// The sum of the forms in u'', with the rows of moved mass in the places of its own.
-SparseMatrix own_inertia(const OwnCells& cells, const DistinctForms& forms) {
+SparseMatrix own_inertia(const OwnCells& cells, const DealtForms& forms) {
   SparseMatrix out(cells.layout.n_unknowns, cells.layout.n_state);
   for (const SparseMatrix& one : assemble_all(cells, forms.inertia)) out = SparseMatrix(out + one);
   std::vector<char> is_moved(static_cast<std::size_t>(out.rows()), 0);
@@ -197,7 +56,7 @@ PlacedRows get_placed(StateReader& r) {
 }
 
 /// Of the forms that no states change; `forms` gets the weights of these matrices.
-std::vector<SparseMatrix> constant_matrices(const OwnCells& cells, DistinctForms& forms) {
+std::vector<SparseMatrix> constant_matrices(const OwnCells& cells, DealtForms& forms) {
   auto out = assemble_all(cells, forms.terms);
   if (!forms.inertia.empty()) {
     out.push_back(own_inertia(cells, forms));
@@ -210,7 +69,7 @@ std::vector<SparseMatrix> constant_matrices(const OwnCells& cells, DistinctForms
 
 /// Appends the matrices of the forms that states change, and their weights; null: there are none.
 std::unique_ptr<OwnChangingForms> changing_forms(std::unique_ptr<const OwnCells> cells,
-                                                 DistinctForms& forms,
+                                                 DealtForms& forms,
                                                  std::vector<SparseMatrix>& matrices) {
   if (forms.changing.empty()) return nullptr;
   const auto first = static_cast<int>(matrices.size());
@@ -347,7 +206,7 @@ std::vector<Vector> assembled(std::string_view answer) {
 OwnEntries put_assembly(StateWriter& w, const Discretisation& discretisation,
                         const StateLayout& layout, std::span<const std::int32_t> part_of_node,
                         int p, std::span<const std::int32_t> place, std::span<const int> first_row,
-                        const DistinctForms& forms) {
+                        const DealtForms& forms) {
   std::vector<int> parts;
   for (const FormTerm& form : forms.terms) parts.push_back(form.part);
   for (const FormTerm& form : forms.inertia) parts.push_back(form.part);
@@ -367,7 +226,7 @@ std::string OwnMatrices::assemble(std::uint64_t set, std::string_view bytes) {
     auto cells = std::make_unique<OwnCells>();
     get_own_cells(r, *cells);
     PlacedRows placed = get_placed(r);
-    DistinctForms forms = get_forms(r);
+    DealtForms forms = get_forms(r);
     forms.moved = get_moved(r, cells->layout);
     auto matrices = constant_matrices(*cells, forms);
     auto changing = changing_forms(std::move(cells), forms, matrices);

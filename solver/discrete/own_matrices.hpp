@@ -3,12 +3,10 @@
 #pragma once
 
 #include "solver/common/stream.hpp"
-#include "solver/discrete/inertia.hpp"
+#include "solver/discrete/dealt_forms.hpp"
 #include "solver/discrete/own_cells.hpp"
 #include "solver/discrete/own_states.hpp"
 #include "solver/linear/own_rows.hpp"
-#include "solver/plan/couplings.hpp"
-#include "solver/plan/problem.hpp"
 
 #include <cstdint>
 #include <map>
@@ -20,21 +18,6 @@
 #include <vector>
 
 namespace hvi::solver {
-
-/// Forms that are assembled once, and by form the coefficients in each field.
-struct DistinctForms {
-  std::vector<FormTerm> terms;
-  std::vector<Vector> weights;
-  Couplings couplings{}; ///< of several unknowns
-  int n_fields = 0;
-  /// Not among `terms`: those in u'', where nodes lose their mass (inertia.hpp). The base matrix of
-  /// their sum comes behind those of `terms`.
-  std::vector<FormTerm> inertia{};
-  MovedMass moved{};
-  /// Those that read states, each with a base matrix of its own, behind all others.
-  std::vector<ChangingTerm> changing{};
-  std::vector<Vector> weights_of_changing{};
-};
 
 /// A message is this, and numbers behind it: what `what` asks for, of the matrices `set`.
 struct MatrixErrand {
@@ -74,7 +57,7 @@ std::vector<Vector> assembled(std::string_view answer);
 OwnEntries put_assembly(StateWriter& w, const Discretisation& discretisation,
                         const StateLayout& layout, std::span<const std::int32_t> part_of_node,
                         int p, std::span<const std::int32_t> place, std::span<const int> first_row,
-                        const DistinctForms& forms);
+                        const DealtForms& forms);
 
 /// All sets of one process.
 class OwnMatrices {

@@ -2,7 +2,7 @@
 // coefficients are those of the states that the first process sends.
 #pragma once
 
-#include "solver/discrete/body_states.hpp"
+#include "solver/discrete/dealt_forms.hpp"
 #include "solver/discrete/own_cells.hpp"
 #include "solver/linear/own_rows.hpp"
 
@@ -11,12 +11,6 @@
 #include <vector>
 
 namespace hvi::solver {
-
-/// A form that reads states, and the same with the initial ones.
-struct ChangingTerm {
-  FormTerm form, initial;
-  StateReading reading;
-};
 
 class OwnChangingForms {
 public:

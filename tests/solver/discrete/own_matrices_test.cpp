@@ -25,7 +25,7 @@ public:
   Dealt(const Plan& plan, int processes) : processes_(processes) {
     for (const auto& mistake : discretise(plan, d)) throw mistake;
     layout = make_layout(d.space, d.dofs);
-    const DistinctForms forms = forms_to_deal(plan.problem, d, layout);
+    const DealtForms forms = forms_to_deal(plan.problem, d, layout);
     const auto part = parts_of_nodes(d.space, layout, processes);
     std::vector<int> first(static_cast<std::size_t>(processes) + 1, 0); // rows as unknowns are
     for (int i = 0; i < layout.n_unknowns; ++i)
@@ -453,7 +453,7 @@ Plan ageing_slab(int dim, int order) {
 /// Of each process the states at its points, by form as forms_to_deal has them.
 std::vector<double> states_here(const Plan& plan, const Dealt& dealt, const Contact& contact,
                                 int p) {
-  const DistinctForms forms = forms_to_deal(plan.problem, dealt.d, dealt.layout);
+  const DealtForms forms = forms_to_deal(plan.problem, dealt.d, dealt.layout);
   std::vector<double> out;
   for (const ChangingTerm& term : forms.changing)
     for (const Slot s : term.reading.states) {
