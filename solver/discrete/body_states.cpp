@@ -176,8 +176,7 @@ StateReading reading_of(const Problem& problem, const Discretisation& d, const F
     for (const Slot s : entry.coefficient.slots())
       if (slot::is_state(s)) out.states.push_back(s);
   std::ranges::sort(out.states);
-  const auto same = std::ranges::unique(out.states);
-  out.states.erase(same.begin(), same.end());
+  out.states.erase(std::unique(out.states.begin(), out.states.end()), out.states.end());
   for (std::size_t k = 0; k < out.states.size(); ++k)
     if (is_time(problem, problem.states[index_of(out.states[k])])) out.time = static_cast<int>(k);
   return out;

@@ -231,7 +231,7 @@ std::string OwnMatrices::assemble(std::uint64_t set, std::string_view bytes) {
     auto matrices = constant_matrices(*cells, forms);
     auto changing = changing_forms(std::move(cells), forms, matrices);
     sets_.erase(set);
-    sets_.try_emplace(set, OwnRows(std::move(matrices), std::move(placed)), std::move(changing));
+    sets_.emplace(set, Set{OwnRows(std::move(matrices), std::move(placed)), std::move(changing)});
     return made(forms.weights);
   } catch (const Failure& failure) {
     return failed(failure);

@@ -57,6 +57,38 @@ std::vector<StateRates::Source> StateRates::sources(const Tape& tape,
   return out;
 }
 
+/// What does not change from step to step.
+double StateRates::of_place(const Source& source, std::size_t point) const {
+  const auto i = static_cast<std::size_t>(source.index);
+  if (source.kind == Source::Kind::place) return points_.x[point][i];
+  if (source.kind == Source::Kind::normal) return points_.normal[point][i];
+  return points_.indicators->value(source.index, points_.kind, points_.facet[point],
+                                   points_.cell[point]);
+}
+
+void StateRates::run(const Tape& tape, const std::vector<Source>& sources, double t, Columns z,
+                     Columns inputs, std::vector<double>& out) const {
+  thread_local TapeWorkspace workspace;
+  const std::size_t n = points_.x.size();
+  std::vector<std::vector<double>> made; // columns that are nowhere yet
+  made.reserve(sources.size());
+  std::vector<const double*> columns;
+  for (const Source& s : sources) {
+    if (s.kind == Source::Kind::state) {
+      columns.push_back(z[static_cast<std::size_t>(s.index)]);
+    } else if (s.kind == Source::Kind::input) {
+      columns.push_back(inputs[static_cast<std::size_t>(s.index)]);
+    } else {
+      auto& column = made.emplace_back(n, t);
+      for (std::size_t p = 0; p < n && s.kind != Source::Kind::time; ++p)
+        column[p] = of_place(s, p);
+      columns.push_back(column.data());
+    }
+  }
+  out.resize(n * tape.outputs.size());
+  evaluate(tape, columns, n, out, workspace);
+}
+
 void StateRates::run(const Tape& tape, const std::vector<Source>& sources, int p, double t,
                      std::span<const double> z, std::span<const double> inputs,
                      std::span<double> out) const {
@@ -69,20 +101,18 @@ void StateRates::run(const Tape& tape, const std::vector<Source>& sources, int p
   const auto value = [&](const Source& s) {
     const auto i = static_cast<std::size_t>(s.index);
     switch (s.kind) {
-    case Source::Kind::place:
-      return points_.x[at][i];
-    case Source::Kind::normal:
-      return points_.normal[at][i];
     case Source::Kind::time:
       return t;
     case Source::Kind::state:
       return z[i];
     case Source::Kind::input:
       return inputs[i];
+    case Source::Kind::place:
+    case Source::Kind::normal:
     case Source::Kind::inside:
-      return points_.indicators->value(s.index, points_.kind, points_.facet[at], points_.cell[at]);
+      break;
     }
-    return 0.0;
+    return of_place(s, at);
   };
   for (std::size_t i = 0; i < sources.size(); ++i) {
     values[i] = value(sources[i]);
@@ -94,6 +124,15 @@ void StateRates::run(const Tape& tape, const std::vector<Source>& sources, int p
 void StateRates::rates(int p, double t, std::span<const double> z, std::span<const double> inputs,
                        std::span<double> out) const {
   run(rates_, of_rates_, p, t, z, inputs, out);
+}
+
+void StateRates::rates(double t, Columns z, Columns inputs, std::vector<double>& out) const {
+  run(rates_, of_rates_, t, z, inputs, out);
+}
+
+void StateRates::derivatives(double t, Columns z, Columns inputs, std::vector<double>& out) const {
+  run(derivatives_, of_derivatives_, t, z, inputs, out);
+  without_kinks(out);
 }
 
 void StateRates::derivatives(int p, double t, std::span<const double> z,

@@ -21,6 +21,13 @@ public:
   void derivatives(int p, double t, std::span<const double> z, std::span<const double> inputs,
                    std::span<double> by_state, std::span<double> by_input) const;
 
+  /// The same of all points at once: z[i] and inputs[j] are columns of their values; number k of
+  /// point p is out[k n_points + p]. Derivatives by the states come first, then those by the
+  /// inputs.
+  using Columns = std::span<const double* const>;
+  void rates(double t, Columns z, Columns inputs, std::vector<double>& out) const;
+  void derivatives(double t, Columns z, Columns inputs, std::vector<double>& out) const;
+
 private:
   struct Source {
     enum class Kind { place, normal, time, state, input, inside } kind;
@@ -29,6 +36,9 @@ private:
   std::vector<Source> sources(const Tape& tape, const StateGroup& group) const;
   void run(const Tape& tape, const std::vector<Source>& sources, int p, double t,
            std::span<const double> z, std::span<const double> inputs, std::span<double> out) const;
+  void run(const Tape& tape, const std::vector<Source>& sources, double t, Columns z,
+           Columns inputs, std::vector<double>& out) const;
+  double of_place(const Source& source, std::size_t point) const;
 
   int n_ = 0;
   const LawPoints& points_;

@@ -217,6 +217,20 @@ void PointStates::terms_of_rates(std::size_t g, int p, std::span<const double> z
   }
 }
 
+GroupRates PointStates::rates_of_group(std::size_t g, const Vector& states,
+                                       const Vector& inputs) const {
+  const auto& group = contact_.state_groups[g];
+  std::vector<const double*> z, a;
+  for (const int i : group.states) z.push_back(states.data() + contact_.first_state[i]);
+  for (int j = 0; j < group.n_inputs(); j += group.n_points)
+    a.push_back(inputs.data() + group.first_input + j);
+  GroupRates out;
+  out.states = group.states.size(), out.points = static_cast<std::size_t>(group.n_points);
+  rates_[g].rates(t_, z, a, out.rates);
+  rates_[g].derivatives(t_, z, a, out.derivatives);
+  return out;
+}
+
 /// (I - c dg/dz) dz = c dg/da da on the states that are not held at an end.
 SparseMatrix PointStates::slopes(const Vector& inputs, double share, const Vector& values) const {
   std::vector<Eigen::Triplet<double>> entries;
@@ -224,25 +238,21 @@ SparseMatrix PointStates::slopes(const Vector& inputs, double share, const Vecto
     const auto& group = contact_.state_groups[g];
     const auto n = static_cast<Eigen::Index>(group.states.size());
     const auto n_in = static_cast<Eigen::Index>(group.fields.size() + group.multipliers.size());
-    std::vector<double> rate(group.states.size()), by_state(static_cast<std::size_t>(n * n)),
-        by_input(static_cast<std::size_t>(n * n_in));
+    const GroupRates of = rates_of_group(g, values, inputs);
+    DenseMatrix left(n, n), right(n, n_in);
     for (int p = 0; p < group.n_points; ++p) {
-      const auto own = inputs_of_point(group, p, inputs), z = of_point(group, p, values);
-      rates_[g].rates(p, t_, z, own, rate);
-      rates_[g].derivatives(p, t_, z, own, by_state, by_input);
-      DenseMatrix left = DenseMatrix::Identity(n, n), right = DenseMatrix::Zero(n, n_in);
+      left.setIdentity();
+      right.setZero();
       for (Eigen::Index i = 0; i < n; ++i) {
         const int state = group.states[static_cast<std::size_t>(i)];
         const auto& spec = problem_.states[static_cast<std::size_t>(state)];
         const int at = contact_.first_state[state] + p;
         const double part = spec.algebraic ? 1.0 : share, c = part * factor(state);
         const double known = accepted_[at] + part * (known_[at] - accepted_[at]);
-        const double moved = known + c * rate[static_cast<std::size_t>(i)];
+        const double moved = known + c * of.rate(i, p);
         if (moved <= spec.low || moved >= spec.high) continue;
-        for (Eigen::Index j = 0; j < n; ++j)
-          left(i, j) -= c * by_state[static_cast<std::size_t>(i * n + j)];
-        for (Eigen::Index j = 0; j < n_in; ++j)
-          right(i, j) = c * by_input[static_cast<std::size_t>(i * n_in + j)];
+        for (Eigen::Index j = 0; j < n; ++j) left(i, j) -= c * of.by_state(i, j, p);
+        for (Eigen::Index j = 0; j < n_in; ++j) right(i, j) = c * of.by_input(i, j, p);
       }
       const DenseMatrix of_point = solve_square(left, right);
       if (!of_point.allFinite()) continue;
@@ -300,23 +310,21 @@ StateError PointStates::error(const StateInputs& inputs) const {
   for (std::size_t g = 0; g < rates_.size(); ++g) {
     const auto& group = contact_.state_groups[g];
     const std::size_t n = group.states.size();
-    std::vector<double> rate(n), by_state(n * n), residual(n, 0.0);
-    for (int p = 0; p < group.n_points; ++p) {
-      const auto own = inputs_of_point(group, p, inputs.values);
-      const auto z = of_point(group, p, contact_.state_values);
-      rates_[g].rates(p, t_, z, own, rate);
-      rates_[g].derivatives(p, t_, z, own, by_state, {});
+    const GroupRates of = rates_of_group(g, contact_.state_values, inputs.values);
+    std::vector<double> residual(n, 0.0);
+    for (std::size_t p = 0; p < of.points; ++p) {
       for (std::size_t i = 0; i < n; ++i) {
-        const auto& spec = problem_.states[static_cast<std::size_t>(group.states[i])];
         const int state = group.states[i];
-        const double moved = known_[contact_.first_state[state] + p] + factor(state) * rate[i];
-        const double left = std::abs(z[i] - std::clamp(moved, spec.low, spec.high)) /
-                            steepness(state, std::span(by_state).subspan(i * n, n));
+        const auto& spec = problem_.states[static_cast<std::size_t>(state)];
+        const auto at = contact_.first_state[state] + static_cast<Eigen::Index>(p);
+        const double rate = of.rate(i, p), z = contact_.state_values[at];
+        const double moved = known_[at] + factor(state) * rate;
+        const double left =
+            std::abs(z - std::clamp(moved, spec.low, spec.high)) / steepness(group, i, of, p);
         residual[i] = std::isfinite(left) ? std::max(residual[i], left) : infinity;
-        if (!std::isfinite(rate[i]) && !out.no_rate) {
+        if (!std::isfinite(rate) && !out.no_rate) {
           const LawPoints& points = points_of(contact_, group);
-          out.no_rate = {group.states[i], points.x[static_cast<std::size_t>(p)], points.dim,
-                         rate[i], z[i]};
+          out.no_rate = {state, points.x[p], points.dim, rate, z};
         }
       }
     }
@@ -329,44 +337,43 @@ StateError PointStates::error(const StateInputs& inputs) const {
   return out;
 }
 
-/// By how much more the residual of an equation changes than its state.
-double PointStates::steepness(int state, std::span<const double> by_state) const {
+/// By how much more the residual of the equation of state i changes than the state, at point p.
+double PointStates::steepness(const StateGroup& group, std::size_t i, const GroupRates& of,
+                              std::size_t p) const {
   double out = 1.0;
-  for (const double slope : by_state) out = std::max(out, std::abs(factor(state) * slope));
+  for (std::size_t j = 0; j < of.states; ++j)
+    out = std::max(out, std::abs(factor(group.states[i]) * of.by_state(i, j, p)));
   return out;
 }
 
-/// What the inputs' scales make of the states of a point in the step: by the slopes of their rates,
-/// and where products of inputs are products of rounding, by the rates one scale away, with the
-/// slopes there: a rate that begins at a threshold is flat before it and may be steep behind.
-std::vector<double> PointStates::made_of_scales(std::size_t g, int p,
-                                                const StateInputs& inputs) const {
+/// What the inputs' scales make of the states of a group in the step, column by column: by the
+/// slopes of their rates, and where products of inputs are products of rounding, by the rates one
+/// scale away, with the slopes there: a rate that begins at a threshold is flat before it and may
+/// be steep behind.
+std::vector<double> PointStates::made_of_scales(std::size_t g, const StateInputs& inputs) const {
   const auto& group = contact_.state_groups[g];
   const std::size_t n = group.states.size(), n_in = group.fields.size() + group.multipliers.size();
-  const auto own = inputs_of_point(group, p, inputs.values),
-             scales = inputs_of_point(group, p, inputs.scales);
-  const auto z = of_point(group, p, contact_.state_values);
-  std::vector<double> by_state(n * n), by_input(n * n_in), here(n), there(n), out(n, 0.0);
-  rates_[g].derivatives(p, t_, z, own, by_state, by_input);
-  rates_[g].rates(p, t_, z, own, here);
-  std::vector<double> steep(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    steep[i] = steepness(group.states[i], std::span(by_state).subspan(i * n, n));
-    for (std::size_t j = 0; j < n_in; ++j)
-      out[i] += factor(group.states[i]) / steep[i] * std::abs(by_input[i * n_in + j]) * scales[j];
-  }
+  const GroupRates here = rates_of_group(g, contact_.state_values, inputs.values);
+  const auto at = [&](std::size_t j, std::size_t p) {
+    return group.first_input + static_cast<Eigen::Index>(j * here.points + p);
+  };
+  std::vector<double> out(n * here.points, 0.0);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t p = 0; p < here.points; ++p)
+      for (std::size_t j = 0; j < n_in; ++j)
+        out[i * here.points + p] += factor(group.states[i]) / steepness(group, i, here, p) *
+                                    std::abs(here.by_input(i, j, p)) * inputs.scales[at(j, p)];
   for (const double sign : {-1.0, 1.0}) {
-    auto moved = own;
-    for (std::size_t j = 0; j < n_in; ++j) moved[j] += sign * scales[j];
-    rates_[g].rates(p, t_, z, moved, there);
-    rates_[g].derivatives(p, t_, z, moved, by_state, {});
-    for (std::size_t i = 0; i < n; ++i) {
-      const int state = group.states[i];
-      const double change =
-          factor(state) * std::abs(there[i] - here[i]) /
-          std::max(steep[i], steepness(state, std::span(by_state).subspan(i * n, n)));
-      if (std::isfinite(change)) out[i] = std::max(out[i], change);
-    }
+    const GroupRates there =
+        rates_of_group(g, contact_.state_values, inputs.values + sign * inputs.scales);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t p = 0; p < here.points; ++p) {
+        const double change = factor(group.states[i]) *
+                              std::abs(there.rate(i, p) - here.rate(i, p)) /
+                              std::max(steepness(group, i, here, p), steepness(group, i, there, p));
+        double& made = out[i * here.points + p];
+        if (std::isfinite(change)) made = std::max(made, change);
+      }
   }
   return out;
 }
@@ -375,14 +382,14 @@ std::vector<double> PointStates::sizes(const StateInputs& inputs) const {
   std::vector<double> out(problem_.states.size(), 0.0);
   for (std::size_t g = 0; g < rates_.size(); ++g) {
     const auto& group = contact_.state_groups[g];
-    for (int p = 0; p < group.n_points; ++p) {
-      const auto made = made_of_scales(g, p, inputs);
-      for (std::size_t i = 0; i < made.size(); ++i) {
-        const int at = contact_.first_state[group.states[i]] + p;
-        double& size = out[static_cast<std::size_t>(group.states[i])];
+    const auto made = made_of_scales(g, inputs);
+    auto of_state = made.begin();
+    for (const int state : group.states) {
+      double& size = out[static_cast<std::size_t>(state)];
+      const int first = contact_.first_state[state];
+      for (int at = first; at < first + group.n_points; ++at)
         size = std::max({size, std::abs(contact_.state_values[at]), std::abs(known_[at]),
-                         std::abs(accepted_[at]), made[i]});
-      }
+                         std::abs(accepted_[at]), *of_state++});
     }
   }
   share_sizes(out);

@@ -40,6 +40,21 @@ struct StateInputs {
   Vector values, scales;
 };
 
+/// The rates of a group's states and their derivatives at all points, column by column.
+struct GroupRates {
+  std::size_t states = 0, points = 0;
+  std::vector<double> rates, derivatives;
+
+  double rate(std::size_t i, std::size_t p) const { return rates[i * points + p]; }
+  double by_state(std::size_t i, std::size_t j, std::size_t p) const {
+    return derivatives[(i * states + j) * points + p];
+  }
+  double by_input(std::size_t i, std::size_t j, std::size_t p) const {
+    const std::size_t inputs = derivatives.size() / (states * points) - states;
+    return derivatives[(states * states + i * inputs + j) * points + p];
+  }
+};
+
 class PointStates {
 public:
   /// Keeps references to all of them; the values are in contact.state_values.
@@ -102,8 +117,10 @@ private:
                       std::span<const double> inputs, std::span<double> out) const;
   std::vector<double> sizes(const StateInputs& inputs) const;
   void share_sizes(std::vector<double>& sizes) const;
-  std::vector<double> made_of_scales(std::size_t g, int p, const StateInputs& inputs) const;
-  double steepness(int state, std::span<const double> by_state) const;
+  std::vector<double> made_of_scales(std::size_t g, const StateInputs& inputs) const;
+  GroupRates rates_of_group(std::size_t g, const Vector& states, const Vector& inputs) const;
+  double steepness(const StateGroup& group, std::size_t i, const GroupRates& of,
+                   std::size_t p) const;
 
   const Problem& problem_;
   const Evolution& evolution_;
