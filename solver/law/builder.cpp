@@ -280,11 +280,10 @@ double GraphBuilder::limit(int function, double at, double inner, const Point& x
        "the slope must stay bounded near every argument");
 }
 
-/// The value at `at`. What has none there could be written without its quotient or root, but for
-/// logarithms: r log(r) tends to 0.
-double GraphBuilder::value_beside(const Expr& e, double at, double inner, const Point& x,
-                                  LawTime t) const {
-  const double direct = PointTape({&e, 1})(at, x, t);
+/// The value at `at`, where `direct` is what e says there. What has none could be written without
+/// its quotient or root, but for logarithms: r log(r) tends to 0.
+double GraphBuilder::value_beside(const Expr& e, double direct, double at, double inner,
+                                  const Point& x, LawTime t) const {
   if (std::isfinite(direct) || !has_logarithm(e)) return direct;
   const Expr rest = without_vanishing(e, {at, inner > at ? 1.0 : -1.0, x, t});
   return rest == e ? direct : PointTape({&rest, 1})(at, x, t);
@@ -294,9 +293,13 @@ double GraphBuilder::value_beside(const Expr& e, double at, double inner, const 
 double GraphBuilder::slope_at_origin(const LawGraph& graph, double inner) const {
   limit(graph.functions[0], 0.0, inner, graph.x, graph.t);
   const SmoothFunction& first = functions_[graph.functions[0]];
-  const auto at_zero = [&](const Expr& e) { return value_beside(e, 0.0, inner, graph.x, graph.t); };
-  if (!spec_.by_slope) check_number(at_zero(first.expression()), "potential", 0.0, graph);
-  const double slope = at_zero(first.slope_expression());
+  const auto at_zero = [&](const Expr& e, double direct) {
+    return value_beside(e, direct, 0.0, inner, graph.x, graph.t);
+  };
+  if (!spec_.by_slope)
+    check_number(at_zero(first.expression(), first.potential(0.0, graph.x, graph.t)), "potential",
+                 0.0, graph);
+  const double slope = at_zero(first.slope_expression(), first.slope(0.0, graph.x, graph.t));
   check_number(slope, "slope", 0.0, graph);
   return slope;
 }
@@ -377,8 +380,9 @@ void GraphBuilder::check_potential(const LawGraph& graph) const {
     const auto potential = [&](int piece) {
       const double inner =
           sample_of(piece_low(graph, piece, spec_.radial), piece_high(graph, piece));
-      return value_beside(functions_[graph.functions[piece]].expression(), b, inner, graph.x,
-                          graph.t);
+      const SmoothFunction& function = functions_[graph.functions[piece]];
+      return value_beside(function.expression(), function.potential(b, graph.x, graph.t), b, inner,
+                          graph.x, graph.t);
     };
     const double l = potential(i), r = potential(i + 1);
     for (const double value : {l, r}) check_number(value, "potential", b, graph);

@@ -37,7 +37,8 @@ private:
   bool singular_at(double r, const Point& x, LawTime t) const;
   void merge(std::vector<Cell>& cells, const Point& x, LawTime t) const;
   void set_limits(LawGraph& graph) const;
-  double value_beside(const Expr& e, double at, double inner, const Point& x, LawTime t) const;
+  double value_beside(const Expr& e, double direct, double at, double inner, const Point& x,
+                      LawTime t) const;
   double slope_at_origin(const LawGraph& graph, double inner) const;
   void check_number(double value, const char* of, double at, const LawGraph& graph) const;
   void close_rounding_gaps(LawGraph& graph) const;
