@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 namespace hvi::solver {
 namespace {
@@ -24,30 +26,35 @@ void shapes_at(const Space& space, const PointBlock& points, std::size_t p, Shap
                   barycentric_in_cell(*space.mesh, cell, x), true, shapes);
 }
 
-/// into(row, column) += value, which is in its pattern or rounding of a shape that is 0 there.
-void add_to(SparseMatrix& into, int row, int column, double value) {
+/// into(row, columns[j]) += values[j]: entries that are in its pattern, or rounding of a shape that
+/// is 0 there. Those of a node mostly follow each other.
+void add_to(SparseMatrix& into, int row, std::span<const int> columns, const auto& values) {
   const int* const begin = into.innerIndexPtr() + into.outerIndexPtr()[row];
   const int* const end = into.innerIndexPtr() + into.outerIndexPtr()[row + 1];
-  const int* const at = std::lower_bound(begin, end, column);
-  if (at != end && *at == column) into.valuePtr()[at - into.innerIndexPtr()] += value;
+  const int* next = begin;
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    const int column = columns[j];
+    if (column < 0 || column >= into.cols()) continue;
+    const bool follows = next != end && *next == column;
+    const int* const at = follows ? next : std::lower_bound(begin, end, column);
+    if (at == end || *at != column) continue;
+    into.valuePtr()[at - into.innerIndexPtr()] += values[static_cast<Eigen::Index>(j)];
+    next = at + 1;
+  }
 }
 
 /// into += the rows and columns of one cell.
 void scatter(const Space& space, int cell, const DofSelection& dofs, const DenseMatrix& of_cell,
              SparseMatrix& into) {
-  const auto nodes = space.nodes_of_cell(cell);
-  const auto entry_of = [&](Eigen::Index local) {
-    const int dof = space.dof(nodes[static_cast<std::size_t>(local) / space.components],
-                              static_cast<int>(local) % space.components);
-    return dofs.entry_of.empty() ? dof : dofs.entry_of[static_cast<std::size_t>(dof)];
-  };
-  for (Eigen::Index i = 0; i < of_cell.rows(); ++i) {
-    const int row = entry_of(i);
-    if (row < 0 || row >= into.rows()) continue;
-    for (Eigen::Index j = 0; j < of_cell.cols(); ++j)
-      if (const int column = entry_of(j); column >= 0 && column < into.cols())
-        add_to(into, row, column, of_cell(i, j));
-  }
+  std::vector<int> entries;
+  for (const auto node : space.nodes_of_cell(cell))
+    for (int c = 0; c < space.components; ++c) {
+      const int dof = space.dof(node, c);
+      entries.push_back(dofs.entry_of.empty() ? dof : dofs.entry_of[static_cast<std::size_t>(dof)]);
+    }
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    if (const int row = entries[i]; row >= 0 && row < into.rows())
+      add_to(into, row, entries, of_cell.row(static_cast<Eigen::Index>(i)));
 }
 
 /// At points of a pair: the jump of a component, or its mean (slot::mean).
