@@ -48,22 +48,23 @@ std::optional<Symbol> Forms::form_factors(const ast::FormTerm& term) {
   return good ? std::optional(factor) : std::nullopt;
 }
 
-void Forms::form_term(const ast::FormTerm& term, bool right, bool source) {
-  auto factor = form_factors(term);
-  if (!term.integral) return;
-  const ast::Integral& integral = *term.integral;
-  auto part = parts_.index_of(integral.domain);
-  Scope scope;
-  scope.what = right ? "a load" : "a form";
-  scope.position = scope.time = scope.unknown = scope.test = true;
-  scope.source = source;
-  scope.load = right && !source;
-  scope.part = part.value_or(-1);
+/// What an integrand may read.
+Scope Forms::scope_of(std::optional<int> part, bool right, bool source) const {
+  Scope out;
+  out.what = right ? "a load" : "a form";
+  out.position = out.time = out.unknown = out.test = true;
+  out.source = source;
+  out.load = right && !source;
+  out.part = part.value_or(-1);
   const auto kind = part ? model_.parts[*part].kind : std::nullopt;
-  scope.normal = part && (!kind || *kind == Group::Kind::facets);
-  if (part && !scope.normal) scope.what = "an integral over cells";
-  scope.states = source || (part && model_.parts[*part].kind == Group::Kind::cells);
-  ModelTerm out;
+  out.normal = part && (!kind || *kind == Group::Kind::facets);
+  if (part && !out.normal) out.what = "an integral over cells";
+  out.states = source || (part && kind == Group::Kind::cells);
+  return out;
+}
+
+/// `rule = ...`, where it is written.
+void Forms::take_rule(const ast::Integral& integral, ModelTerm& term) {
   for (const ast::Setting& option : integral.options) {
     if (option.name.text != "rule") {
       mistakes_.error("E0304", option.name.span,
@@ -71,16 +72,26 @@ void Forms::form_term(const ast::FormTerm& term, bool right, bool source) {
                       did_you_mean(option.name.text, std::vector<std::string>{"rule"}));
       continue;
     }
-    if (out.rule_given)
+    if (term.rule_given)
       mistakes_.error("E0305", option.span, "argument `rule` of `integral` is given twice");
-    out.rule_given = true;
+    term.rule_given = true;
     auto w = evaluator_.word(option.value, "rule", {"exact", "nodal", "midpoint", "gauss"});
     if (!w) continue;
-    out.rule = *w == "nodal"      ? Rule::nodal
-               : *w == "midpoint" ? Rule::midpoint
-               : *w == "gauss"    ? Rule::gauss
-                                  : Rule::exact;
+    term.rule = *w == "nodal"      ? Rule::nodal
+                : *w == "midpoint" ? Rule::midpoint
+                : *w == "gauss"    ? Rule::gauss
+                                   : Rule::exact;
   }
+}
+
+void Forms::form_term(const ast::FormTerm& term, bool right, bool source) {
+  auto factor = form_factors(term);
+  if (!term.integral) return;
+  const ast::Integral& integral = *term.integral;
+  auto part = parts_.index_of(integral.domain);
+  Scope scope = scope_of(part, right, source);
+  ModelTerm out;
+  take_rule(integral, out);
   at_hand_.normal_missed = at_hand_.reads_stress = false;
   if (!part) scope.normal = true; // its kind is unknown: no second complaint about u.nu
   at_hand_.part = part.value_or(-1);

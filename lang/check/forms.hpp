@@ -22,6 +22,8 @@ public:
 
 private:
   std::optional<Symbol> form_factors(const ast::FormTerm& term);
+  Scope scope_of(std::optional<int> part, bool right, bool source) const;
+  void take_rule(const ast::Integral& integral, ModelTerm& term);
   void form_term(const ast::FormTerm& term, bool right, bool source);
   bool check_load(ModelTerm& load, const Span& span);
   bool check_integrand(const ModelTerm& term, const ast::FormTerm& written, bool source);

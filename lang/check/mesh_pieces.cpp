@@ -13,6 +13,22 @@ using solver::Group;
 using solver::MeshSpec;
 using solver::RegionSpec;
 
+namespace {
+
+/// The names in `a + b + c`, from the left.
+std::vector<const ast::Expr*> summands(const ast::Expr& whole) {
+  std::vector<const ast::Expr*> out;
+  for (const ast::Expr* left = &whole; left != nullptr;) {
+    const auto* sum = std::get_if<ast::Binary>(&left->node);
+    out.push_back(sum ? &*sum->right : left);
+    left = sum ? &*sum->left : nullptr;
+  }
+  std::ranges::reverse(out);
+  return out;
+}
+
+} // namespace
+
 Value Meshes::mesh_of_pieces(const ast::Mesh& m) {
   if (!groups_.mesh_name.empty()) {
     report_second(m.name.span);
@@ -23,32 +39,15 @@ Value Meshes::mesh_of_pieces(const ast::Mesh& m) {
   MeshSpec spec;
   std::map<std::string, Group::Kind> groups;
   std::set<std::string> cuts;
-  std::vector<const ast::Expr*> names;
-  for (const ast::Expr* left = &m.value; left != nullptr;) {
-    const auto* sum = std::get_if<ast::Binary>(&left->node);
-    names.push_back(sum ? &*sum->right : left);
-    left = sum ? &*sum->left : nullptr;
-  }
   bool good = true;
-  for (auto name = names.rbegin(); name != names.rend(); ++name) {
+  for (const ast::Expr* name : summands(m.value)) {
     const int dim = model_.dim;
     groups_.kinds.clear();
-    if (!add_piece(**name)) {
+    if (!add_piece(*name)) {
       good = false;
       continue;
     }
-    if (!spec.pieces.empty() && model_.dim != dim) {
-      mistakes_.error(
-          "E0307", (*name)->span,
-          fmt::format("a mesh in {}D and one in {}D are not put together", dim, model_.dim));
-      good = false;
-    }
-    if (!spec.pieces.empty() && model_.mesh.axisymmetric != spec.axisymmetric) {
-      mistakes_.error("E0440", (*name)->span,
-                      "an axisymmetric mesh and another one are not put together",
-                      "give all of them `axisymmetric = true`, or none");
-      good = false;
-    }
+    if (!spec.pieces.empty() && !fits(spec, dim, name->span)) good = false;
     spec.axisymmetric = model_.mesh.axisymmetric;
     const std::string& piece = groups_.pieces.back();
     groups[piece] = Group::Kind::cells;
@@ -58,16 +57,7 @@ Value Meshes::mesh_of_pieces(const ast::Mesh& m) {
     for (const auto& group : std::exchange(groups_.cuts, {}))
       cuts.insert(MeshGroups::of_piece(piece, group));
     spec.pieces.push_back(model_.mesh);
-    const int adapted = std::exchange(spec.pieces.back().adapted, 0);
-    if (spec.pieces.size() > 1 && (adapted > 0) != (spec.adapted > 0)) {
-      mistakes_.error(
-          "E0440", (*name)->span,
-          fmt::format("`{}` is {}adapted, the piece before it is {}", piece,
-                      adapted > 0 ? "" : "not ", adapted > 0 ? "not" : ""),
-          "give all pieces `adapted = CELLS`, or none: the cells go where the errors are");
-      good = false;
-    }
-    spec.adapted += adapted; // of all pieces together
+    spec.adapted += std::exchange(spec.pieces.back().adapted, 0); // of all pieces together
   }
   making_pieces_ = false;
   groups_.kinds = std::move(groups);
@@ -79,6 +69,32 @@ Value Meshes::mesh_of_pieces(const ast::Mesh& m) {
   spec.origin = model_.origin(m.value.span);
   model_.mesh = std::move(spec);
   return MeshValue{0};
+}
+
+/// Is the mesh that was added last, model_.mesh, of one kind with the pieces before it?
+bool Meshes::fits(const MeshSpec& before, int dim_before, const Span& span) {
+  bool good = true;
+  if (model_.dim != dim_before) {
+    mistakes_.error(
+        "E0307", span,
+        fmt::format("a mesh in {}D and one in {}D are not put together", dim_before, model_.dim));
+    good = false;
+  }
+  if (model_.mesh.axisymmetric != before.axisymmetric) {
+    mistakes_.error("E0440", span, "an axisymmetric mesh and another one are not put together",
+                    "give all of them `axisymmetric = true`, or none");
+    good = false;
+  }
+  const bool adapted = model_.mesh.adapted > 0;
+  if (adapted != (before.adapted > 0)) {
+    mistakes_.error(
+        "E0440", span,
+        fmt::format("`{}` is {}adapted, the piece before it is{}", groups_.pieces.back(),
+                    adapted ? "" : "not ", adapted ? " not" : ""),
+        "give all pieces `adapted = CELLS`, or none: the cells go where the errors are");
+    good = false;
+  }
+  return good;
 }
 
 /// Makes model_.mesh, model_.dim and groups_ those of the mesh with this name.

@@ -46,6 +46,7 @@ private:
   bool geometry_mesh(const ast::Mesh& mesh, const ast::Call& call, const std::string& name);
   Value mesh_of_pieces(const ast::Mesh& mesh);
   bool add_piece(const ast::Expr& name);
+  bool fits(const solver::MeshSpec& before, int dim_before, const Span& span);
 
   const CheckOptions& options_;
   Mistakes& mistakes_;
