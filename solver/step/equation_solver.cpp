@@ -114,17 +114,7 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
     warm_start.drop_guess(now);
     out.inequality = std::move(made.report);
     together.add(out.inequality, out.branch_ends);
-    auto left = balance_.residual(equation, matrix, now.xi, trial);
-    if (contact.change && left.error > tolerance_ && matrix.free_body() == nullptr &&
-        put_at_rest(matrix.k(), contact, equation.rhs, now.xi, trial.d))
-      left = balance_.residual(equation, matrix, now.xi, trial);
-    if (left.error > tolerance_ && out.inequality.converged && matrix.free_body() == nullptr)
-      left = without_rounding(matrix, equation, trial, left);
-    out.equilibrium = left.error;
-    if (const FreeBody* const body = matrix.free_body())
-      out.equilibrium = std::max(left.error, balance_error(*body, contact, equation.rhs, now.xi));
-    if (!contact.none())
-      find_reach(matrix.contact_diagonal(), trial.kd, trial.d, equation.rhs, contact);
+    const auto left = judge(matrix, equation, trial, out);
     solves->judge(made.moved, out.equilibrium, equation.exact());
     const bool exact = equation.exact() || left.mismatch <= refined;
     if (!out.inequality.converged || (exact && out.equilibrium <= target)) break;
@@ -153,6 +143,27 @@ StepResult EquationSolver::solve(StepMatrix& matrix, CorrectionStart start, Step
   }
   together.tell(out.inequality);
   return out;
+}
+
+/// What is left of the equation, and out.equilibrium: on the rows that hold, or would without what
+/// is rounding; of a body that laws alone hold on its motions, too.
+EquationResidual EquationSolver::judge(StepMatrix& matrix, const StepEquation& equation,
+                                       Trial& trial, StepResult& out) {
+  Contact& contact = formulation_.contact();
+  const Vector& xi = laws.now.xi;
+  const FreeBody* const body = matrix.free_body();
+  auto left = balance_.residual(equation, matrix, xi, trial);
+  if (contact.change && left.error > tolerance_ && body == nullptr &&
+      put_at_rest(matrix.k(), contact, equation.rhs, xi, trial.d))
+    left = balance_.residual(equation, matrix, xi, trial);
+  if (left.error > tolerance_ && out.inequality.converged && body == nullptr)
+    left = without_rounding(matrix, equation, trial, left);
+  out.equilibrium = left.error;
+  if (body != nullptr)
+    out.equilibrium = std::max(left.error, balance_error(*body, contact, equation.rhs, xi));
+  if (!contact.none())
+    find_reach(matrix.contact_diagonal(), trial.kd, trial.d, equation.rhs, contact);
+  return left;
 }
 
 /// Where bodies only just touch, what they press is rounding of the forces elsewhere, which nothing

@@ -42,6 +42,8 @@ public:
   std::unique_ptr<CorrectionSolves> solves; ///< never null
 
 private:
+  EquationResidual judge(StepMatrix& matrix, const StepEquation& equation, Trial& trial,
+                         StepResult& out);
   EquationResidual without_rounding(StepMatrix& matrix, const StepEquation& equation, Trial& trial,
                                     const EquationResidual& left);
 

@@ -45,15 +45,15 @@ void StepSolver::take_first_states(int n) {
   formulation_.take_states();
 }
 
-StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquation& equation,
-                               Trial& trial) {
+/// The equation of the step, and its laws at the state that it begins with.
+void StepSolver::begin(int n, StepMatrix& matrix, bool follow, StepEquation& equation,
+                       Trial& trial) {
   Contact& contact = formulation_.contact();
   StepLaws& laws = equations.laws;
   equation.n = n;
   balance_.known_state(n, equation.known);
-  const double tolerance = plan_.options.tolerance;
   contact.least_reach = balance_.rounding_of_largest();
-  for (double& reach : contact.least_reach) reach /= tolerance;
+  for (double& reach : contact.least_reach) reach /= plan_.options.tolerance;
   equations.warm_start.find_change(n, balance_.coefficients(n), matrix, equation, trial.d);
   // Where a branch ends, K_n itself has to say.
   if (formulation_.changes_forms() || (follow && !equation.exact())) {
@@ -66,6 +66,14 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
   laws.prepare(n, equation.known);
   if (const FreeBody* const body = matrix.free_body())
     refuse_unbalanced(*body, contact, plan_.problem, equation.rhs, evolution_.grid().t(n));
+}
+
+StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquation& equation,
+                               Trial& trial) {
+  Contact& contact = formulation_.contact();
+  StepLaws& laws = equations.laws;
+  begin(n, matrix, follow, equation, trial);
+  const double tolerance = plan_.options.tolerance;
   std::optional<InequalityState> path_start;
   if (follow) {
     laws.start_path(n);

@@ -33,6 +33,7 @@ public:
   Refinement refinement;
 
 private:
+  void begin(int n, StepMatrix& matrix, bool follow, StepEquation& equation, Trial& trial);
   double renew(int n, StepMatrix& matrix, StepEquation& equation, Trial& trial);
   /// Forms become those of the states that step n begins with.
   void take_first_states(int n);
