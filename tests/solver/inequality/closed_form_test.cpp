@@ -105,12 +105,13 @@ TEST(Inequality, ReleasesAtADownwardJumpAndReturnsLater) {
   EXPECT_EQ(reattached, 1); // and back to the larger force
 }
 
+/// A point of any weight, with a law that has the same force.
 TEST(Inequality, BranchesOfABistableSpring) {
-  const auto solve = [](Branch branch, double force) {
+  const auto solve = [](Branch branch, double force, double weight) {
     Bench setup = one_spring(1.0, force);
-    setup.point(setup.slope(select(less(arg(), Expr(0.5)), Expr(24.0) * arg(),
-                                   Expr(8.0) * arg() + Expr(4.0))),
-                1.0, {{{0, 1.0}}});
+    setup.point(setup.slope(Expr(1.0 / weight) * select(less(arg(), Expr(0.5)), Expr(24.0) * arg(),
+                                                        Expr(8.0) * arg() + Expr(4.0))),
+                weight, {{{0, 1.0}}});
     setup.finish();
     InequalityState state;
     InequalityOptions options;
@@ -118,17 +119,46 @@ TEST(Inequality, BranchesOfABistableSpring) {
     EXPECT_TRUE(run(setup, state, options).converged);
     return state.c[0];
   };
-  EXPECT_NEAR(solve(Branch::continuing, 10.0), 0.4, 1e-14);
-  EXPECT_NEAR(solve(Branch::release, 10.0), 6.0 / 9.0, 1e-14);
-  // Energies: -f^2/50 against c^2/2 + 3 + 4 (c^2 - .25) + 4 (c - .5) - f c; they cross at f
-  // = 10.2...
+  // Energies: -f^2/50 against c^2/2 + 3 + 4 (c^2 - .25) + 4 (c - .5) - f c; they cross at f = 10.
   const auto lower = [](double f) { return -f * f / 50; };
   const auto upper = [](double f) {
     const double c = (f - 4) / 9;
     return c * c / 2 + 3 + 4 * (c * c - .25) + 4 * (c - .5) - f * c;
   };
-  for (const double f : {9.0, 10.0, 11.0, 12.0})
-    EXPECT_NEAR(solve(Branch::least_energy, f), lower(f) < upper(f) ? f / 25 : (f - 4) / 9, 1e-13);
+  EXPECT_NEAR(lower(10.0), upper(10.0), 1e-14);
+  for (const double weight : {0.125, 1.0, 8.0})
+    for (const double f : {9.0, 9.9, 10.1, 11.0, 12.0}) {
+      SCOPED_TRACE(f);
+      EXPECT_NEAR(solve(Branch::continuing, f, weight), f / 25, 1e-14);
+      EXPECT_NEAR(solve(Branch::release, f, weight), (f - 4) / 9, 1e-14); // whatever its energy
+      EXPECT_NEAR(solve(Branch::least_energy, f, weight),
+                  lower(f) < upper(f) ? f / 25 : (f - 4) / 9, 1e-13);
+    }
+}
+
+/// Two bonds one behind the other, of which the step overloads both: the one that gives way first
+/// takes the load off the other, which holds.
+TEST(Inequality, BondsInARowGiveWayOneAfterTheOther) {
+  constexpr double k = 10.0, s = 0.1;
+  for (const bool first_is_weaker : {true, false}) {
+    Bench setup;
+    setup.s = s * DenseMatrix::Identity(2, 2);
+    const double ends[] = {first_is_weaker ? 1.0 : 1.2, first_is_weaker ? 1.2 : 1.0};
+    const auto bond = [&](double end) {
+      return setup.slope(select(less(arg(), Expr(end)), Expr(k) * arg(), Expr(0.0)));
+    };
+    setup.point(bond(ends[0]), 1.0, {{{0, 1.0}}});
+    setup.point(bond(ends[1]), 1.0, {{{1, 1.0}, {0, -1.0}}});
+    setup.finish();
+    setup.r = Vector::Unit(2, 1) * 13.3; // both would be stretched to about 1.3
+    InequalityState state;
+    const auto report = run(setup, state);
+    EXPECT_TRUE(report.converged);
+    EXPECT_EQ(report.events, 1);
+    const DenseMatrix g = first_is_weaker ? DenseMatrix{{-1.0, 1.0}} : DenseMatrix{{1.0, 0.0}};
+    const Vector expected = (setup.s + k * g.transpose() * g).llt().solve(setup.r);
+    EXPECT_LE((state.c - expected).norm(), 1e-10 * expected.norm());
+  }
 }
 
 /// A point dragged around a circle in 3D: slip follows the force, |xi| = mu.
