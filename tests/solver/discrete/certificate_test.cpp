@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 namespace hvi::solver {
 namespace {
@@ -178,6 +179,56 @@ TEST(Equilibrium, EachOfSeveralUnknownsHasItsOwnSize) {
   row.of_unknown = {0, 1};
   EXPECT_GT(row.error(), 100.0 * as_one);
   EXPECT_GT(row.error(), 1e-7);
+}
+
+// And by its own multipliers: those of the others are large in their units.
+TEST(Equilibrium, EachOfSeveralUnknownsHasItsOwnMultipliers) {
+  Row row;
+  row.xi << 1e9, 1.0;
+  row.b << 1e9, 1.0 + 1e-6;
+  const double as_one = row.error();
+  row.of_unknown = {0, 1};
+  EXPECT_GT(row.error(), 100.0 * as_one);
+  EXPECT_NEAR(row.error(), 0.5e-6, 0.1e-6);
+}
+
+// Rows whose errors are close to each other: none of the three ways may pass over the worst.
+TEST(Equilibrium, IsThatOfTheWorstOfManyRows) {
+  constexpr int n = 12;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const std::vector<int> contact{2, 5, 6, 11};
+  for (int scene = 0; scene < 50; ++scene) {
+    const DenseMatrix k = DenseMatrix::NullaryExpr(n, n, [&] { return unit(random); });
+    DenseMatrix force = DenseMatrix::Zero(n, 3);
+    for (const int i : contact)
+      for (int j = 0; j < 3; ++j) force(i, j) = unit(random);
+    const Vector d = Vector::NullaryExpr(n, [&] { return unit(random); });
+    const Vector xi = Vector::NullaryExpr(3, [&] { return unit(random); });
+    Vector b = k * d + force * xi;
+    for (double& value : b) value *= 1.0 + 1e-6 * unit(random);
+    double worst = 0.0;
+    for (int i = 0; i < n; ++i) {
+      double left = b[i], size = std::abs(b[i]);
+      double turned = std::abs(k(i, i)) * d.cwiseAbs().maxCoeff();
+      for (int j = 0; j < n; ++j) left -= k(i, j) * d[j], size += std::abs(k(i, j) * d[j]);
+      for (int j = 0; j < 3; ++j) {
+        left -= force(i, j) * xi[j], size += std::abs(force(i, j) * xi[j]);
+        turned += std::abs(force(i, j)) * xi.cwiseAbs().maxCoeff();
+      }
+      worst = std::max(worst, std::abs(left) / (size + 0.01 * turned));
+    }
+    const SparseMatrix rows = k.sparseView(), forces = force.sparseView();
+    const std::vector<std::uint8_t> of_unknown;
+    const Reactions reactions{forces, of_unknown};
+    const Vector kd = rows * d, diagonal = k.diagonal();
+    Vector gap(n), scale(n);
+    const double one = equilibrium_error(rows, d, b, contact, reactions, xi, gap);
+    const double two = equilibrium_error(rows, diagonal, kd, d, b, contact, reactions, xi, gap);
+    gap_and_scale(rows, d, b, gap, scale);
+    const double three = equilibrium_error(rows, d, gap, scale, reactions, xi);
+    for (const double found : {one, two, three}) EXPECT_NEAR(found, worst, 1e-8 * worst);
+  }
 }
 
 TEST(Equilibrium, CancellingReactionsHaveAScale) {
