@@ -140,6 +140,37 @@ TEST(Fingerprint, ChangesWithWhatFewPlansHave) {
     EXPECT_TRUE(seen.insert(changed(changes[i])).second) << "change " << i << " is not seen";
 }
 
+/// A file may be another one under the same name: all that is computed with changes the
+/// fingerprint.
+TEST(Fingerprint, ChangesWithTheMesh) {
+  const Plan plan = slab(3, 4, 2, true);
+  Discretisation d;
+  for (const auto& mistake : discretise(plan, d)) throw mistake;
+  using Change = std::function<void(Mesh&)>;
+  const std::vector<Change> changes = {
+      [](Mesh&) {},
+      [](Mesh& m) { m.dim = 3; },
+      [](Mesh& m) { m.axisymmetric = true; },
+      [](Mesh& m) { m.nodes[3][1] = std::nextafter(m.nodes[3][1], 2.0); },
+      [](Mesh& m) { std::swap(m.cells[0], m.cells[1]); },
+      [](Mesh& m) { std::swap(m.facets[0].nodes[0], m.facets[0].nodes[1]); },
+      [](Mesh& m) { m.facets[0].cell += 1; },
+      [](Mesh& m) { m.facets[0].other = 1; },
+      [](Mesh& m) { m.groups["left"].kind = Group::Kind::points; },
+      [](Mesh& m) { m.groups["left"].entities.pop_back(); },
+      [](Mesh& m) { m.groups["another"]; },
+  };
+  std::set<std::uint64_t> seen;
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    Mesh mesh = d.mesh;
+    changes[i](mesh);
+    EXPECT_TRUE(seen.insert(fingerprint(plan, mesh)).second) << "change " << i << " is not seen";
+  }
+  Mesh elsewhere = d.mesh;
+  elsewhere.description = "another.msh";
+  EXPECT_TRUE(seen.contains(fingerprint(plan, elsewhere)));
+}
+
 /// Its text is cut off somewhere, and a walk by calls in calls would need more stack than there is.
 TEST(Fingerprint, SeesTheDeepestPartOfALongExpression) {
   const auto with = [](double first) {
@@ -167,8 +198,8 @@ TEST(CheckpointFile, IsOnTheDiskBeforeItHasItsName) {
   }
 }
 
-/// A field of the header that is not what it was is told as what it is.
-TEST(CheckpointFile, TellsWhatIsWrongWithItsHeader) {
+/// A field of the header that is not what it was is told as what it is; and a state is whole.
+TEST(CheckpointFile, TellsWhatIsWrongWithIt) {
   const auto path = std::filesystem::path(testing::TempDir()) / "hvi_header" / "a.checkpoint";
   write_checkpoint(path, 42, "state");
   const std::string whole = *read_file(path);
@@ -191,6 +222,8 @@ TEST(CheckpointFile, TellsWhatIsWrongWithItsHeader) {
   std::ranges::reverse(swapped);
   EXPECT_THAT(refused_with(12, swapped), HasSubstr("another order of bytes"));
   EXPECT_THAT(refused_with(20, "\x7f"), HasSubstr("is damaged"));
+  EXPECT_THAT(refused_with(whole.size() - 1, "f"), HasSubstr("is damaged"));
+  EXPECT_EQ(refused_with(whole.size() - 1, "e"), "read"); // as it was
 }
 
 } // namespace
