@@ -103,6 +103,30 @@ TEST_F(LoadCase, WhatDoesNotSeparateIsAssembledAtEachStep) {
   }
 }
 
+/// Rows that are one with others are added to theirs, whether a load separates or not.
+TEST_F(LoadCase, RowsOfLinksAreAddedUp) {
+  const Expr moving = exp(-(x - t) * (x - t));
+  const std::vector<LoadTerm> both{load(0, {{slot::value(0), t * y}}),
+                                   load(1, {{slot::value(1), moving}, {slot::value(0), moving}})};
+  const Vector whole = at(assembler(both), 0.7);
+  const std::vector<DofLink> links{{3, 0}, {8, 5}, {9, 0}};
+  std::vector<std::int32_t> kept;
+  for (std::int32_t i = 0; i < space.n_dofs(); i += 2) kept.push_back(i == 6 ? 5 : i);
+  auto a = assembler(both);
+  a.restrict_to(kept, links);
+  Vector expected(static_cast<Eigen::Index>(kept.size())), found = expected;
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    double sum = whole[kept[k]];
+    for (const DofLink& link : links)
+      if (link.to == kept[k]) sum += whole[link.dof];
+    expected[static_cast<Eigen::Index>(k)] = sum;
+  }
+  found.setZero();
+  a.add(0.7, found);
+  EXPECT_LT((found - expected).norm(), 1e-14 * expected.norm());
+  EXPECT_GT(std::abs(whole[3]) + std::abs(whole[8]), 1e-3 * whole.norm());
+}
+
 TEST_F(LoadCase, BothPathsAgree) {
   // cos(x + t) in two forms: separated by hand, and as it is, which no product rule takes apart.
   const auto cosine = [](const Expr& e) { return apply(Op::cos, e); };

@@ -47,6 +47,16 @@ TEST(RigidMotions, AreThoseThatImposedValuesAllow) {
   const auto about = motions_of(plan, {clamp(4)}, turning);
   ASSERT_EQ(about.count(), 1);
   EXPECT_THAT(about.describe(vector({1.0})), HasSubstr("the body turns about (0, 1)"));
+  // Which way round: by what the motion does to the node below the corner.
+  std::vector<std::int32_t> below;
+  for (std::size_t node = 0; node < turning.space.nodes.size(); ++node)
+    if (turning.space.nodes[node] == Point{0, 0, 0})
+      below = {turning.space.dof(static_cast<int>(node), 0)};
+  const double along_x = about.on(below)(0, 0);
+  ASSERT_GT(std::abs(along_x), 0.1);
+  const double clockwise = along_x < 0.0 ? 1.0 : -1.0;
+  EXPECT_THAT(about.describe(vector({clockwise})), testing::EndsWith("clockwise"));
+  EXPECT_THAT(about.describe(vector({-clockwise})), Not(HasSubstr("clockwise")));
 }
 
 /// A box held at two corners turns about the line through them, which does not meet its centre.

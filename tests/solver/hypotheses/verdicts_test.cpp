@@ -208,6 +208,9 @@ TEST(Verdicts, EveryTheoremNeedsItsHypothesesAndNoOthers) {
       EXPECT_EQ(order->answer == Answer::holds, kind.first_order) << order->note;
       EXPECT_FALSE(order->note.empty()); // for whom, or why not
     }
+    Kind sampled = kind; // constants of laws that are not proved prove nothing
+    sampled.facts.proved = false;
+    EXPECT_FALSE(judged(sampled).continuous || judged(sampled).discrete);
     for (const Hypothesis& row : report.hypotheses) {
       if (row.name == "theorem") continue;
       const bool needed = std::ranges::find(kind.needs, row.name) != kind.needs.end();

@@ -201,6 +201,32 @@ TEST(Law, FindsRootsOfNonlinearSwitches) {
 TEST(Law, FindsTheKinkOfARootOfASquare) {
   const Law law = potential_law("distance", sqrt((arg() - Expr(1.0)) * (arg() - Expr(1.0))));
   EXPECT_THAT(law.graph({}, 0.0).breaks, testing::ElementsAre(1.0));
+  const auto of_power = [](double even, double exponent) {
+    const Law powers = potential_law("distance", pow(pow(arg(), Expr(even)), Expr(exponent)));
+    const LawGraph g = powers.graph({}, 0.0);
+    const Interval all = clarke(powers, g, 0.0);
+    return std::pair(all.low, all.high);
+  };
+  EXPECT_EQ(of_power(2.0, 0.5), std::pair(-1.0, 1.0)); // |r|
+  EXPECT_EQ(of_power(4.0, 0.25), std::pair(-1.0, 1.0));
+  EXPECT_EQ(of_power(2.0, 0.75), std::pair(0.0, 0.0)); // |r|^1.5
+}
+
+/// Far out a slope of polynomials rises or falls by the sign and the degree of its first term.
+TEST(Law, PolynomialsThatRiseOnOneSideDoNotDescendThere) {
+  const Expr r = arg();
+  const auto descent = [&](const Expr& below, const Expr& above) {
+    const Law law = slope_law("curved", select(less(r, Expr(0.0)), below, above));
+    return known_constants(law, {}, 0.0).m.value();
+  };
+  const Expr square = r * r, cube = r * r * r;
+  EXPECT_EQ(descent(-square, square), 0.0);
+  EXPECT_EQ(descent(cube, cube), 0.0);
+  EXPECT_EQ(descent(-square - 3.0 * r, r), 3.0);
+  EXPECT_EQ(descent(cube + 2.0 * square, r), 4.0 / 3.0); // at -2/3
+  for (const auto& [below, above] :
+       {std::pair(square, square), {-square, -square}, {-cube, cube}, {cube, -cube}})
+    EXPECT_TRUE(std::isinf(descent(below, above)));
 }
 
 TEST(Law, TablesArePiecewisePolynomials) {
