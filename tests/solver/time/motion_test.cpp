@@ -184,6 +184,106 @@ Plan block(int n, int steps, int dim, Scheme scheme, double end) {
   return out;
 }
 
+/// The columns of --monitors from the displacements alone, by the formulas of each scheme: forces
+/// of a step act as its equation mixes them.
+TEST(Motion, EnergiesAreThoseOfTheFormulas) {
+  struct Step { ///< at its end; f is sampled there
+    double u, v, a, f;
+  };
+  const Oscillator of;
+  const auto grid = [] {
+    auto out = uniform_grid(1.5, 30);
+    for (double& t : out) t = 1.5 * std::pow(t / 1.5, 1.3);
+    return out;
+  }();
+  for (const Scheme scheme : all_schemes) {
+    const bool hht = scheme == Scheme::hht;
+    const double beta = hht ? 0.36 : 0.25, gamma = hht ? 0.7 : 0.5; // of alpha = -0.2
+    const double past = hht ? 0.2 : scheme == Scheme::newmark ? 0.5 : 0.0, present = 1.0 - past;
+    const auto run = record(of.plan(scheme, grid));
+    Step last{1.0, 0.3, 0.0, of.force_at(0.0)};
+    last.a = last.f - of.damping * last.v - of.stiffness * last.u;
+    double before = 0.0, work = 0.0, viscous = 0.0, lost = 0.0;
+    for (std::size_t n = 1; n < grid.size(); ++n) {
+      SCOPED_TRACE(std::string(name_of(scheme)) + " " + std::to_string(n));
+      const double k = grid[n] - grid[n - 1];
+      Step now{run.states[n - 1][0], 0.0, 0.0, of.force_at(grid[n])};
+      const double d = now.u - last.u;
+      double rate = d / k, force = present * now.f + past * last.f;
+      if (scheme == Scheme::backward_euler || (scheme == Scheme::bdf2 && n == 1)) {
+        now.v = rate;
+      } else if (scheme == Scheme::bdf2) {
+        const double w = k / (grid[n - 1] - grid[n - 2]);
+        now.v = ((1 + 2 * w) / (1 + w) * d - w * w / (1 + w) * (last.u - before)) / k;
+      } else if (scheme == Scheme::midpoint) {
+        now.v = 2.0 * rate - last.v;
+        force = 0.5 * (now.f + last.f);
+      } else {
+        now.a = (d - k * last.v - k * k * (0.5 - beta) * last.a) / (beta * k * k);
+        now.v = last.v + k * ((1 - gamma) * last.a + gamma * now.a);
+      }
+      if (scheme != Scheme::midpoint) rate = present * now.v + past * last.v;
+      const auto stored = [&](const Step& at) {
+        return 0.5 * (of.stiffness * at.u * at.u + at.v * at.v);
+      };
+      work += force * d, viscous += of.damping * rate * d;
+      lost += (force - of.damping * rate) * d - (stored(now) - stored(last));
+      EXPECT_NEAR(run.column("work")[n - 1], work, 1e-9);
+      EXPECT_NEAR(run.column("viscous")[n - 1], viscous, 1e-9);
+      EXPECT_NEAR(run.column("lost")[n - 1], lost, 1e-9);
+      EXPECT_NEAR(run.column("kinetic")[n - 1], 0.5 * now.v * now.v, 1e-9);
+      before = last.u, last = now;
+    }
+    const bool keeps = scheme == Scheme::newmark || scheme == Scheme::midpoint;
+    EXPECT_EQ(std::abs(lost) < 1e-9, keeps) << lost;
+    EXPECT_GT(std::min(std::abs(work), viscous), 0.01);
+    EXPECT_LT(run.result.monitors->balance_error, 1e-12);
+  }
+}
+
+/// By midpoint a mean of the load stands for both ends of its step: nothing is lost with it,
+/// either.
+TEST(Motion, MeansOfLoadsAtMidpointLoseNothing) {
+  const Oscillator of;
+  auto plan = of.plan(Scheme::midpoint, uniform_grid(1.5, 20));
+  plan.problem.time.sampling = LoadSampling::average;
+  const auto run = record(plan);
+  double work = 0.0, last = 1.0;
+  for (std::size_t n = 1; n <= 20; ++n) {
+    const double a = plan.problem.time.grid[n - 1], b = plan.problem.time.grid[n];
+    const double u = run.states[n - 1][0];
+    work += (std::cos(3.0 * a) - std::cos(3.0 * b)) / (3.0 * (b - a)) * (u - last);
+    EXPECT_NEAR(run.column("work")[n - 1], work, 1e-10);
+    EXPECT_NEAR(run.column("lost")[n - 1], 0.0, 1e-12);
+    last = u;
+  }
+}
+
+/// A free block that loses stiffness: by the schemes that lose nothing themselves all that is lost
+/// is what its states release.
+TEST(Motion, WhatIsLostIsWhatStatesRelease) {
+  for (const int dim : {2, 3})
+    for (const Scheme scheme : {Scheme::newmark, Scheme::midpoint}) {
+      Plan plan = block(2, 40, dim, scheme, 1.0);
+      const Expr stretch = var(slot::field(field_of_u(0), slot::gradient(0, 0)));
+      const Expr lost_part = var(slot::state(0));
+      plan.problem.states = {
+          {{}, "lost", body, 40.0 * stretch * stretch * (1.0 - lost_part), 0.1, 0.0, 0.95}};
+      for (auto& form : plan.problem.forms)
+        if (form.field == field_of_u(0))
+          for (auto& entry : form.entries)
+            entry.coefficient = (1.0 - lost_part) * entry.coefficient;
+      plan.problem.time.velocity = {sin(2.0 * var(slot::x(0))), Expr(0.3) * var(slot::x(1))};
+      if (dim == 3) plan.problem.time.velocity->push_back(Expr(0.0));
+      const auto run = record(plan);
+      const auto lost = run.column("lost"), released = run.column("released_forms");
+      const double all = run.column("kinetic").front() + run.column("elastic").front();
+      for (std::size_t n = 0; n < lost.size(); ++n)
+        ASSERT_NEAR(lost[n], released[n], 1e-11 * all) << name_of(scheme) << dim << " " << n;
+      EXPECT_GT(lost.back(), 0.02 * all);
+    }
+}
+
 /// Two hundred to a thousand steps of a free block with waves in it.
 TEST(Motion, EnergyIsKeptWhereNothingTouches) {
   for (const int dim : {2, 3})
