@@ -250,6 +250,39 @@ WRONG = [
 ]
 
 
+# Two bodies with a pair of sides between them, two unknowns, a state.
+SEVERAL = """units mm, N, s
+import contact
+mesh upper = rectangle(20 [mm], 10 [mm], cells = [4, 2])
+mesh lower = rectangle(20 [mm], 10 [mm], cells = [3, 2], at = [0, -10] [mm])
+mesh both = upper + lower
+part base = lower.bottom
+part top = upper.top
+part seam = pair(lower.top, upper.bottom, reach = 1 [mm])
+tensor B = isotropic(young = 70 [GPa], poisson = 0.3)
+superpotential touch(r) = normal_compliance(r, stiffness = 100 [MPa/mm], power = 1)
+state slid on seam with rate norm(jump(u').tau) from slid = 0 [mm] in [0, 2] [mm]
+space V = vector P1 on both, zero on base, zero.x on top
+space W = scalar P1 on upper, zero on top
+find u in V, theta [K] in W with theta = 300 [K] on top for t in [0, 1] [s] by 2 steps from u = 0, theta = 300 [K]
+such that for all v in V, eta in W
+    integral(both, B : eps(u) : eps(v)) + integral(seam, touch^0(jump(u).nu; jump(v).nu))
+  + integral(upper, 1 [N/K^2]*dot(grad(theta), grad(eta)))
+ >= 0
+report
+  table warm = theta at [10, 5] [mm], slid = slid at [20 [mm], 0]
+"""
+
+WRONG_OF_SEVERAL = [
+    ("a reach in seconds", "reach = 1 [mm]", "reach = 1 [s]", "1 [s]", "E0331"),
+    ("a bare reach", "reach = 1 [mm]", "reach = 1", "1", "E0332"),
+    ("the range of a state", "in [0, 2] [mm]", "in [0, 2] [s]", "0", "E0331"),
+    ("a bare range of a state", "in [0, 2] [mm]", "in [0, 2]", "2", "E0332"),
+    ("an imposed value of the other unknown", "theta = 300 [K] on top", "theta = 300 [mm] on top", "300 [mm]", "E0331"),
+    ("a start of the other unknown", "u = 0, theta = 300 [K]", "u = 0, theta = 300 [mm]", "300 [mm]", "E0331"),
+]
+
+
 def run(text, *arguments):
     path = WORK / "script.hvi"
     path.write_text(text)
@@ -295,10 +328,10 @@ def told(text):
     return [r for r in rows if r["code"].startswith("E")]
 
 
-def wrong(name, old, new, bad, code, more=None, *other):
+def wrong(name, old, new, bad, code, more=None, *other, base=BASE):
     """`more`: another change, with what is underlined then. `other`: changes that make it a script but for the mistake."""
-    assert BASE.count(old) == 1, (name, old)
-    text = BASE.replace(old, new)
+    assert base.count(old) == 1, (name, old)
+    text = base.replace(old, new)
     for change in other:
         text = text.replace(*change)
     if more:
@@ -544,10 +577,14 @@ reported()
 exact = sum(right(*case) for case in RIGHT)
 for case in WRONG:
     wrong(*case)
+if told(SEVERAL):
+    failures.append(f"right: several unknowns: {told(SEVERAL)}")
+for case in WRONG_OF_SEVERAL:
+    wrong(*case, base=SEVERAL)
 random_right, random_wrong = random_family(24, 12, 25)
 declared_outside()
 assert len(RIGHT) + len(WRONG) > 120 and random_wrong > 6
-print(f"{len(RIGHT)} right scripts, {exact} of them to the last bit; {len(WRONG)} wrong ones; {random_right} random expressions and {random_wrong} wrong sums")
+print(f"{len(RIGHT)} right scripts, {exact} of them to the last bit; {len(WRONG) + len(WRONG_OF_SEVERAL)} wrong ones; {random_right} random expressions and {random_wrong} wrong sums")
 for failure in failures:
     print(failure)
 sys.exit(bool(failures))
