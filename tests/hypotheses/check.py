@@ -240,6 +240,33 @@ with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
     file.write(convex), file.flush()
     assert check(file.name, "--strict")["constants"]["step_margin"] == 1
 
+# Two laws at one end, the larger constants first or last: of each the largest counts. Growth: the largest |s(r)|/(1 + |r|); descents
+# 0.03 and 0.02; the arguments are u and 3 u, so ||M||^2 = 1 + 9 where |u(1)|^2 <= ||u'||^2. Slopes rise by 4 and 2 at most.
+TWO = """mesh bar = interval(1, cells = 4)
+part left = bar.left
+part right = bar.right
+superpotential strong(r) with slope | r < 0 -> 4*r | otherwise -> -0.03*r
+superpotential weak(r) with slope | r < 0 -> 2*r | otherwise -> -0.02*r
+superpotential rub(w) = 0.1*w^2
+space V = scalar P1 on bar, zero on left
+find u in V for t in [0, 1] by 4 steps from u = 0
+such that for all v in V
+    integral(bar, dot(grad(u'), grad(v))) + integral(bar, dot(grad(u), grad(v))) + integral(right, LAWS)
+ >= integral(right, 0.1*v)
+report
+  table end = u at [1]
+"""
+for laws in ("strong^0(u; v) + weak^0(3*u; 3*v)", "weak^0(u; v) + strong^0(3*u; 3*v)"):
+    with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+        file.write(TWO.replace("LAWS", laws).replace("superpotential rub(w) = 0.1*w^2\n", "")), file.flush()
+        constants = check(file.name)["constants"]
+    close(constants["c_J"], 4), close(constants["m_nu"], 0.03), close(constants["m_J"], 0.03)
+    close(constants["norm_M2"]["full"], 1), close(constants["norm_M2"]["script"], 10)
+    close(constants["margin"], 1 - 0.03 * 10)
+    with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+        file.write(TWO.replace("LAWS", laws + " + rub^0(u'; v)")), file.flush()
+        close(says(check(file.name), "rates", "the slopes of the laws on u are Lipschitz")["value"], 4)
+
 # States: the rates' constants and those of the laws, analytic; what jumps is not Lipschitz.
 AGED = """mesh bar = interval(1, cells = 2)
 part left = bar.left
