@@ -325,6 +325,30 @@ double ReactionForces::scale(int unknown, const Snapshot& now, const Snapshot& b
   return out / (scheme_.present(0) + scheme_.past(0));
 }
 
+namespace {
+
+/// Of a part that no node counts for: with a condition of its own these count for others.
+Failure without_reaction(const Problem& problem, const Probe& probe) {
+  const std::string& part = problem.parts[static_cast<std::size_t>(probe.part)].name;
+  const bool has_its_own =
+      std::ranges::any_of(problem.space.dirichlet, [&](const DirichletSpec& condition) {
+        return condition.part == probe.part && condition.unknown == probe.unknown;
+      });
+  if (has_its_own)
+    return {FailureKind::bad_value, probe.origin,
+            fmt::format("all nodes of `{}` have their values from conditions on other parts, and "
+                        "their reactions count there",
+                        part),
+            "let the condition on it stand before those, or ask for the reaction of those parts"};
+  return {FailureKind::bad_value, probe.origin,
+          fmt::format("nothing holds `{}`, and no law acts on it: no support or law could have a "
+                      "reaction there",
+                      part),
+          "ask for a part where the space is zero, a value is imposed, or a law acts"};
+}
+
+} // namespace
+
 std::vector<Failure> reactions_of_nothing(const Plan& plan, const Discretisation& d) {
   std::vector<Failure> out;
   std::set<std::pair<int, int>> seen; // the components of one reaction are probes with one origin
@@ -338,13 +362,7 @@ std::vector<Failure> reactions_of_nothing(const Plan& plan, const Discretisation
       for (const LawTerm& term : plan.problem.law_terms)
         if (term.unknown == probe.unknown && side_of(plan.problem, d, term, probe) != 0)
           held = true;
-      if (held) continue;
-      const std::string& part = plan.problem.parts[static_cast<std::size_t>(probe.part)].name;
-      throw Failure(FailureKind::bad_value, probe.origin,
-                    fmt::format("nothing holds `{}`, and no law acts on it: no support or law "
-                                "could have a reaction there",
-                                part),
-                    "ask for a part where the space is zero, a value is imposed, or a law acts");
+      if (!held) throw without_reaction(plan.problem, probe);
     } catch (const Failure& failure) {
       out.push_back(failure);
     }

@@ -499,6 +499,53 @@ def check_stiffness_that_grows(folder):
     assert abs(a - b).max() < 1e-11 * abs(a).max()
 
 
+def check_reactions_of_parts_that_overlap(folder):
+    """What two conditions hold counts once: reactions of all parts add up to the load, and a part that has all of another one has what
+    that leaves. Where it leaves nothing, that is said."""
+    plate = """mesh plate = rectangle(2, 1, cells = [4, 3])
+part wall = plate.left
+part frame = plate.left + plate.bottom
+part top = plate.top
+tensor B = isotropic(young = 70, poisson = 0.3)
+space V = vector P1 on plate, ZERO
+find u in V
+such that for all v in V
+  integral(plate, B : eps(u) : eps(v)) = integral(top, dot([0.3, -0.5], v))
+report
+  table w = reaction(wall), f = reaction(frame), all = reaction(plate)
+"""
+    for zero in ("zero on wall, zero on frame", "zero on frame"):
+        run(folder, plate.replace("ZERO", zero))
+        row = rows(folder)[-1]
+        close(row["all_x"], -0.6, 1e-12), close(row["all_y"], 1, 1e-12)
+        assert abs(row["w_x"]) > 0.1, row
+        for c in "xy":
+            close(row[f"f_{c}"] + (row[f"w_{c}"] if "wall" in zero else 0), row[f"all_{c}"], 1e-12)
+    (folder / "late.hvi").write_text(plate.replace("ZERO", "zero on frame, zero on wall"))
+    done = subprocess.run([HVI_RUN, "check", str(folder / "late.hvi")], capture_output=True, text=True)
+    assert done.returncode == 1 and "all nodes of `wall` have their values from conditions on other parts" in done.stderr, done.stderr
+
+
+def check_reactions_at_the_start(folder):
+    """Known where the run starts from accelerations, but for schemes whose reactions are those of a step."""
+    for scheme, known in (("newmark", True), ("hht", False), ("midpoint", False), ("backward_euler", False)):
+        run(folder, f"""mesh body = rectangle(2, 1, cells = [3, 2])
+part wall = body.left
+tensor B = isotropic(young = 70, poisson = 0.3)
+space V = vector P1 on body, zero on wall
+find u in V for t in [0, 1] by 4 steps from u = 0 using scheme = {scheme}
+such that for all v in V
+  integral(body, 0.3*dot(u'', v)) + integral(body, B : eps(u) : eps(v)) = integral(body, dot([0, -1 - t], v))
+report
+  table force = reaction(wall), rate = integral(body, 0.3*u''.y) from start
+""")
+        table = rows(folder)
+        assert table[0]["t"] == 0 and ("force_y" in table[0]) == known, (scheme, table[0])
+        if known:
+            close(table[0]["force_y"] - 2, table[0]["rate"], 1e-10)
+        assert all("force_y" in row for row in table[1:]), (scheme, table)
+
+
 def check_reactions_of_what_begins(folder):
     """Reactions count forms that are zero at the initial time, by whatever makes them grow (a program that looks at that time alone
     has no rates at hand later): in equilibrium with the load, and those of the same forms written otherwise."""
@@ -788,7 +835,7 @@ report
 
 
 def main():
-    for check in (check_negative_bounds, check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_stiffness_that_grows, check_reactions_of_what_begins, check_names_of_plans, check_sweep, check_names_of_studies, check_pictures, check_words, check_pictures_of_states, check_resume):
+    for check in (check_negative_bounds, check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_stiffness_that_grows, check_reactions_of_parts_that_overlap, check_reactions_at_the_start, check_reactions_of_what_begins, check_names_of_plans, check_sweep, check_names_of_studies, check_pictures, check_words, check_pictures_of_states, check_resume):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
     check_examples()
