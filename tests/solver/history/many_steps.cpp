@@ -229,6 +229,32 @@ TEST(Audit, FindsTheDifferenceToTheDirectSum) {
   }
 }
 
+/// Step by step: the largest difference, by the norm of the kernel, 2 sqrt(T) for 1/sqrt(lag),
+/// and by the largest value that the field has had.
+TEST(Audit, IsTheLargestDifferenceBesideKernelAndField) {
+  const auto times = grid(Grid::uniform, 16);
+  const KernelSpec spec{"q", {}, kernel_case("power_50").expression};
+  auto options = options_for(times, HistoryRoute::fit, 0);
+  options.tolerance = 1e-3;
+  const auto history = make_audited_history(spec, field_size, options, field_size);
+  const auto direct = make_history(spec, field_size, options_for(times, HistoryRoute::direct, 0));
+  history->start(0, sample_field(0)), direct->start(0, sample_field(0));
+  std::vector<double> a(field_size), b(field_size);
+  const double norm = 2.0 * std::sqrt(times.back());
+  double worst = 0.0, largest = 0.0;
+  for (std::size_t n = 1; n < times.size(); ++n) {
+    history->rhs(times[n], a), direct->rhs(times[n], b);
+    double off = 0.0;
+    for (std::size_t i = 0; i < field_size; ++i) off = std::max(off, std::abs(a[i] - b[i]));
+    if (largest > 0.0) worst = std::max(worst, off / (norm * largest));
+    const auto u = sample_field(times[n]);
+    for (const double value : u) largest = std::max(largest, std::abs(value));
+    history->commit(times[n], u), direct->commit(times[n], u);
+  }
+  EXPECT_GT(worst, 1e-8);
+  EXPECT_NEAR(history->report().audit, worst, 1e-6 * worst);
+}
+
 /// Saved anywhere: sums and audits of each later step are those of the run that was not
 /// interrupted, bit for bit, though it found the weights of its audits step by step.
 void expect_the_same_after_restart(const Expr& kernel, HistoryRoute route, int order,
