@@ -1,7 +1,7 @@
 // Is a step solved? See certificate.hpp.
 #include "solver/discrete/certificate.hpp"
 
-#include "solver/inequality/rounding_of_arguments.hpp"
+#include "solver/inequality/shared_scales.hpp"
 #include "solver/linear/matrix_rows.hpp"
 
 #include <algorithm>
@@ -68,7 +68,7 @@ public:
   /// any scale has an infinite error.
   void take(int i, double residual, double size) {
     if (residual <= worst_ * size) return;
-    size += least_part * whole_scale(i);
+    size += part_of_turned_row * whole_scale(i);
     if (residual <= worst_ * size) return;
     worst_ = residual / size;
     if (std::isnan(worst_)) worst_ = std::numeric_limits<double>::infinity();
@@ -90,8 +90,6 @@ private:
     return of_body + weight * largest_xi_;
   }
 
-  /// The part of it in a row's scale: the rounding it covers stays far below any tolerance.
-  static constexpr double least_part = 0.01;
   std::function<double(int)> whole_size_;
   const Vector& xi_;
   const SparseMatrix& force_;

@@ -2,6 +2,7 @@
 #include "solver/inequality/force_balance.hpp"
 
 #include "solver/inequality/iterative_operator.hpp"
+#include "solver/inequality/shared_scales.hpp"
 
 #include <cmath>
 #include <limits>
@@ -134,11 +135,10 @@ double ForceBalance::worst_ratio(const Errors& of, const Vector& c, const Vector
 /// (solver/discrete/certificate.cpp).
 double ForceBalance::turned_size(Eigen::Index i, const std::function<double(int)>& whole_size,
                                  double largest_xi) const {
-  constexpr double least_part = 0.01;
   double weight = 0.0;
   for (SparseMatrix::InnerIterator it(points_.force_of, i); it; ++it)
     weight += std::abs(it.value());
-  return least_part * (whole_size(static_cast<int>(i)) + weight * largest_xi);
+  return part_of_turned_row * (whole_size(static_cast<int>(i)) + weight * largest_xi);
 }
 
 /// Of several unknowns each has multipliers of its own, which are in the rows' sizes.

@@ -1,7 +1,7 @@
 // The scale of rounding in the arguments (snap.hpp).
 #include "solver/inequality/snap.hpp"
 
-#include "solver/inequality/rounding_of_arguments.hpp"
+#include "solver/inequality/shared_scales.hpp"
 
 #include <algorithm>
 #include <cmath>
