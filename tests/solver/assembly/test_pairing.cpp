@@ -6,6 +6,7 @@
 #include "tests/solver/assembly/reference.hpp"
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -160,6 +161,51 @@ INSTANTIATE_TEST_SUITE_P(All, Pairs,
                          testing::Values(Case{2, 1, true}, Case{2, 1, false}, Case{2, 2, true},
                                          Case{2, 2, false}, Case{3, 1, true}, Case{3, 1, false},
                                          Case{3, 2, true}, Case{3, 2, false}));
+
+/// Two rings [0, R] that lie on each other, or a disc on a longer one, whichever side is the first:
+/// weights of points are areas of rings, all positive, that of the axis among them, and constant
+/// pressures and linear fields are exact.
+TEST(PairsOfRings, HaveTheAreasOfTheirFacets) {
+  constexpr double pi = 3.14159265358979323846;
+  for (const int order : {1, 2})
+    for (const bool upper_first : {true, false})
+      for (const double radius : {1.0, 0.7}) { // of the upper one
+        SCOPED_TRACE(fmt::format("order {}, upper {}, radius {}", order, upper_first, radius));
+        const std::vector<Mesh> meshes{
+            structured_mesh(2, {uniform_coordinates(0.0, radius, 3), {1.0, 2.0}, {}}),
+            structured_mesh(2, {uniform_coordinates(0.0, 1.0, 4), {0.0, 1.0}, {}})};
+        Mesh mesh = side_by_side(meshes, std::vector<std::string>{"upper", "lower"});
+        mesh.axisymmetric = true;
+        const Space space = make_space(mesh, order, 2);
+        const auto facets = [&](const char* name) { return mesh.groups.at(name).entities; };
+        const auto upper = facets("upper.bottom"), lower = facets("lower.top");
+        const Region region{Group::Kind::facets, upper_first ? upper : lower, 0,
+                            upper_first ? lower : upper, 0.0};
+        const Pairing pairing = make_pairing(space, region, order);
+        double area = 0.0, moment = 0.0;
+        bool at_axis = false;
+        Vector radial(static_cast<Eigen::Index>(space.nodes.size()));
+        for (std::size_t i = 0; i < space.nodes.size(); ++i)
+          radial[static_cast<Eigen::Index>(i)] = 3.0 + 2.0 * space.nodes[i][0];
+        const Vector jump = jumps_of(pairing) * radial;
+        for (std::size_t p = 0; p < pairing.x.size(); ++p) {
+          EXPECT_GT(pairing.weight[p], 0.0);
+          area += pairing.weight[p];
+          at_axis = at_axis || pairing.x[p][0] == 0.0;
+          EXPECT_NEAR(jump[static_cast<Eigen::Index>(p)], 0.0, 1e-13);
+        }
+        const Vector force =
+            jumps_of(pairing).transpose() *
+            Eigen::Map<const Vector>(pairing.weight.data(),
+                                     static_cast<Eigen::Index>(pairing.weight.size()));
+        // On the first side a constant pressure does the work int 2 pi r r dr on the field r.
+        for (const auto i : nodes_on(space, {Group::Kind::facets, region.entities, 0}))
+          moment += force[i] * space.nodes[static_cast<std::size_t>(i)][0];
+        EXPECT_NEAR(area, pi * radius * radius, 1e-12);
+        EXPECT_NEAR(moment, 2.0 * pi / 3.0 * std::pow(radius, 3), 1e-12);
+        EXPECT_TRUE(at_axis);
+      }
+}
 
 /// Two layers behind each other.
 TEST(PairsOfSides, LieOverEachOtherOnce) {
