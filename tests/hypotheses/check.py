@@ -267,6 +267,26 @@ for laws in ("strong^0(u; v) + weak^0(3*u; 3*v)", "weak^0(u; v) + strong^0(3*u; 
         file.write(TWO.replace("LAWS", laws + " + rub^0(u'; v)")), file.flush()
         close(says(check(file.name), "rates", "the slopes of the laws on u are Lipschitz")["value"], 4)
 
+# A body that springs alone hold: one solution where their slopes rise everywhere, whatever the direction and at all times.
+SPRUNG = """mesh slab = rectangle(2, 1, cells = [2, 1])
+part ground = slab.bottom
+tensor B = isotropic(young = 70, poisson = 0.3)
+superpotential spring(w) = POTENTIAL
+space V = vector P1 on slab
+find u in V for t in [0, 1] by 2 steps from u = 0
+such that for all v in V
+    integral(slab, B : eps(u') : eps(v)) + integral(slab, B : eps(u) : eps(v)) + integral(ground, spring^0(u; v))
+ >= integral(slab, dot([1, -t], v))
+report
+  table u_y = u.y at [1, 0]
+"""
+for potential, one in (("5*norm(w)^2", True), ("5*norm(w)^2 + norm(w)", True), ("5*norm(w)^2 - norm(w)", False), ("(5 - 6*t)*norm(w)^2", False),
+                       ("max(norm(w) - 1, 0)^2", False)):
+    with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+        file.write(SPRUNG.replace("POTENTIAL", potential)), file.flush()
+        verdict = check(file.name)["verdict"]
+    assert verdict["discrete"]["holds"] == one, (potential, verdict)
+
 # States: the rates' constants and those of the laws, analytic; what jumps is not Lipschitz.
 AGED = """mesh bar = interval(1, cells = 2)
 part left = bar.left
