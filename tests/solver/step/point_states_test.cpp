@@ -97,5 +97,16 @@ TEST(PointStates, WhatOnlyTimeMovesStaysInItsRange) {
   }
 }
 
+/// A state begins inside its range at every point.
+TEST(PointStates, BeginInsideTheirRange) {
+  const Expr x = var(slot::x(0)); // from 0 to 2 on the ground
+  const auto begin = [](const Expr& initial, double low, double high) {
+    AtThePoints({{{}, "bond", ground, -opening, initial, low, high}});
+  };
+  EXPECT_NO_THROW(begin(x, 0.0, 2.0));
+  EXPECT_THROW(begin(x, 0.0, 1.99), Failure);
+  EXPECT_THROW(begin(x, 0.01, 2.0), Failure);
+}
+
 } // namespace
 } // namespace hvi::solver
