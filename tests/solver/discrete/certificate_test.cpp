@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -116,6 +117,24 @@ TEST(Inclusion, ScaleHoldsTheOffset) {
   EXPECT_EQ(error_at(contact, u, -0.5), 0.0);
   u[0] = 2.0 + 1000 * tolerance;
   EXPECT_NEAR(error_at(contact, u, -0.5), 1.5, 1e-6);
+}
+
+// What a law makes of an argument that may be anywhere within its scale: over all its pieces there,
+// without jumps.
+TEST(Inclusion, MultipliersHaveWhatTheLawMakesOfTheScale) {
+  const Expr r = arg();
+  LawSpec bent{"bent", Origin{1}, false, true,
+               select(less(r, Expr(0.0)), Expr(2.0) * r,
+                      select(less(r, Expr(1.0)), Expr(3.0) * r, Expr(7.0) * r))};
+  auto contact = one_point(bent, along(0.0));
+  const Vector u = Vector::Zero(2), none = Vector::Zero(1);
+  for (const double reach : {0.5, 1.0, 4.0}) {
+    contact.reach[0] = reach;
+    const double made = 2.0 * reach + 3.0 * std::min(reach, 1.0) + 7.0 * std::max(reach - 1.0, 0.0);
+    EXPECT_NEAR(multiplier_scale(contact, contact.terms[0], LawFields(u), none), made, 1e-14);
+    EXPECT_EQ(multiplier_scale(contact, contact.terms[0], LawFields(u), Vector::Constant(1, 99.0)),
+              99.0);
+  }
 }
 
 struct Row {

@@ -118,6 +118,27 @@ TEST(Snap, KnowsWhatCancelledInTheOffset) {
 
 // At a held node the balance does not see the multiplier: what is no number there is a law that
 // does not hold, whichever points come after it.
+/// Forces that are rounding of their own unknown's forces are none: the other one has other units.
+TEST(Certificate, RoundingIsThatOfTheUnknownThatALawActsOn) {
+  test::Bench setup;
+  setup.s = DenseMatrix::Identity(2, 2);
+  const int law = setup.slope(arg());
+  for (const int unknown : {0, 1}) setup.point(law, 0.5, {{{unknown, 1.0}}});
+  setup.finish();
+  setup.problem.of_unknown = {0, 1};
+  const auto dropped = [&](double first, double second) {
+    ByUnknown most{};
+    most[0] = first, most[1] = second;
+    Vector xi = Vector::Constant(2, 2e-3); // forces of 1e-3
+    const bool any = drop_rounding(setup.problem, most, xi);
+    EXPECT_EQ(any, xi.minCoeff() == 0.0);
+    return std::pair(xi[0] == 0.0, xi[1] == 0.0);
+  };
+  EXPECT_EQ(dropped(1e-9, 1.0), std::pair(false, true));
+  EXPECT_EQ(dropped(1.0, 1e-9), std::pair(true, false));
+  EXPECT_EQ(dropped(1e-9, 1e-9), std::pair(false, false));
+}
+
 TEST(Certificate, AMultiplierThatIsNoNumberIsNoSolution) {
   for (const int bad : {0, 1, 2}) {
     test::Bench bench;
