@@ -97,6 +97,28 @@ TEST(PointStates, WhatOnlyTimeMovesStaysInItsRange) {
   }
 }
 
+/// Entries of one load have the size of the largest: what the others hold is rounding of it. Those
+/// of two loads have their own.
+TEST(PointStates, EntriesOfALoadShareTheirSize) {
+  const auto error_of = [](const std::string& second) {
+    const auto stretch = [](int i) {
+      return var(slot::field(field_of_u(0), slot::gradient(i, i)));
+    };
+    std::vector<StateTerm> states{{{}, "stress", body, 5.0 * stretch(0), 0.0},
+                                  {{}, second, body, 5.0 * stretch(1), 0.0}};
+    for (StateTerm& state : states) state.algebraic = true;
+    AtThePoints at(std::move(states));
+    const int n = at.points();
+    StateInputs inputs{Vector::Zero(at.of().n_inputs()), Vector::Zero(at.of().n_inputs())};
+    inputs.values.head(n).setOnes(); // strains along x
+    at.values().head(n).setConstant(5.0);
+    at.values().tail(n).setConstant(1e-12);
+    return at.of().error(inputs).worst;
+  };
+  EXPECT_NEAR(error_of("stress"), 1e-12 / 5.0, 1e-14);
+  EXPECT_NEAR(error_of("another"), 1.0, 1e-14);
+}
+
 /// A state begins inside its range at every point.
 TEST(PointStates, BeginInsideTheirRange) {
   const Expr x = var(slot::x(0)); // from 0 to 2 on the ground
