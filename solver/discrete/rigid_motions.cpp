@@ -138,6 +138,7 @@ void RigidMotions::find_pieces(const Discretisation& d,
   for (int cell = 0; cell < n_cells(d.space); ++cell) {
     const auto piece = piece_of_cell[static_cast<std::size_t>(cell)];
     cells[static_cast<std::size_t>(piece)].push_back(cell);
+    if (!block_.lives_in(cell)) continue; // a node that pieces share is of one that the unknown has
     for (const auto node : d.space.nodes_of_cell(cell)) {
       if (piece_of_node_[static_cast<std::size_t>(node)] >= 0) continue;
       piece_of_node_[static_cast<std::size_t>(node)] = piece;
@@ -147,11 +148,13 @@ void RigidMotions::find_pieces(const Discretisation& d,
   const auto piece_at = [&](std::size_t node) -> Piece& {
     return pieces_[static_cast<std::size_t>(piece_of_node_[node])];
   };
+  const auto has_piece = [&](std::size_t node) { return piece_of_node_[node] >= 0; };
   for (std::size_t p = 0; p < d.space.nodes.size(); ++p)
-    for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t i = 0; i < 3 && has_piece(p); ++i)
       piece_at(p).centre[i] +=
           d.space.nodes[p][i] / nodes[static_cast<std::size_t>(piece_of_node_[p])];
   for (std::size_t p = 0; p < d.space.nodes.size(); ++p) {
+    if (!has_piece(p)) continue;
     const Point &x = d.space.nodes[p], &c = piece_at(p).centre;
     piece_at(p).size =
         std::max(piece_at(p).size, std::hypot(x[0] - c[0], x[1] - c[1], x[2] - c[2]));
@@ -198,9 +201,8 @@ void RigidMotions::find_basis(const Discretisation& d,
   if (n > most_pieces) return;
   RowSpace conditions(size);
   std::vector<char> lives(pieces_.size(), 0);
-  for (std::size_t node = 0; node < d.space.nodes.size(); ++node)
-    if (has_node(d.space, block_, static_cast<int>(node)))
-      lives[static_cast<std::size_t>(piece_of_node_[node])] = 1;
+  for (int cell = 0; cell < n_cells(d.space); ++cell)
+    if (block_.lives_in(cell)) lives[static_cast<std::size_t>(piece_of_cell[cell])] = 1;
   for (int piece = 0; piece < n; ++piece)
     for (int k = 0; k < per_piece_ && lives[static_cast<std::size_t>(piece)] == 0; ++k)
       conditions.add(Vector::Unit(size, first(piece) + k)); // nothing moves there
@@ -227,7 +229,8 @@ void RigidMotions::find_basis(const Discretisation& d,
     if (all.cwiseAbs().maxCoeff() > same_motion) conditions.add(std::move(all));
   }
   if (n > 1) {
-    for (int cell = 0; cell < n_cells(d.space) && !conditions.full(); ++cell)
+    for (int cell = 0; cell < n_cells(d.space) && !conditions.full(); ++cell) {
+      if (!block_.lives_in(cell)) continue;
       for (const auto node : d.space.nodes_of_cell(cell)) {
         const auto other = piece_of_node_[static_cast<std::size_t>(node)],
                    own = piece_of_cell[static_cast<std::size_t>(cell)];
@@ -241,6 +244,7 @@ void RigidMotions::find_basis(const Discretisation& d,
           if (!all.isZero(0.0)) conditions.add(std::move(all));
         }
       }
+    }
   }
   if (!conditions.full()) basis_ = conditions.kernel();
 }

@@ -5,9 +5,12 @@
 #include "solver/law/slope_bounds.hpp"
 #include "tests/solver/time/plans.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <random>
 
 namespace hvi::solver {
@@ -103,6 +106,33 @@ TEST(RigidMotions, OfAnUnknownAreThoseOfItsPieces) {
   ASSERT_EQ(of_theta.count(), 1);
   EXPECT_THAT(of_theta.describe(vector({1.0})),
               HasSubstr("a constant is added to the piece `upper`"));
+}
+
+/// Two squares that meet at a corner: a node of both is one of the square where the unknown lives,
+/// whichever comes first.
+TEST(RigidMotions, OfAnUnknownBesideAPieceThatItDoesNotHave) {
+  const auto path = std::filesystem::path(testing::TempDir()) / "hvi_corner.msh";
+  std::ofstream(path) << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n"
+                         "2 1 \"first\"\n2 2 \"second\"\n$EndPhysicalNames\n$Nodes\n7\n"
+                         "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n5 2 1 0\n6 1 2 0\n7 2 2 0\n"
+                         "$EndNodes\n$Elements\n4\n1 2 2 1 1 1 2 4\n2 2 2 1 1 1 4 3\n"
+                         "3 2 2 2 2 4 5 7\n4 2 2 2 2 4 7 6\n$EndElements\n";
+  for (const int order : {1, 2})
+    for (const char* const piece : {"first", "second"}) {
+      auto plan = slab(1, 1);
+      plan.problem.mesh = {};
+      plan.problem.mesh.kind = MeshSpec::Kind::file;
+      plan.problem.mesh.path = path.string();
+      plan.problem.parts = {all_cells("all"), group("warm", piece)};
+      plan.problem.space.order = order;
+      plan.problem.space.more = {{"theta", "W", {}, false, 1, 1}};
+      Discretisation d;
+      ASSERT_EQ(motions_of(plan, {}, d).count(), 4); // a hinge at the corner
+      const RigidMotions of_theta(d, 1);
+      ASSERT_EQ(of_theta.count(), 1) << piece;
+      EXPECT_EQ(of_theta.describe(vector({1.0})),
+                fmt::format("`theta`: a constant is added to the piece `{}`", piece));
+    }
 }
 
 /// Rigid: no strain in any cell, whatever the amplitudes.
