@@ -9,6 +9,7 @@
 #include "solver/hypotheses/verdicts.hpp"
 
 #include <cmath>
+#include <map>
 
 namespace hvi::solver {
 
@@ -81,6 +82,8 @@ private:
   void judge_laws();
   /// Lipschitz constants of the rates, by the state itself and by what they read.
   void judge_states();
+  std::map<std::string, Variation> variations_of(const LoadTerm& load) const;
+  void judge_load(const LoadTerm& load);
   /// Those of a law by the states, the values and the multiplier that it reads.
   void judge_readings(const TermConstants& law, const LawTerm& term);
   void judge_variation(const char* name, const std::string& what, const Variation& found,

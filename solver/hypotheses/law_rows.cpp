@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <set>
 
 namespace hvi::solver {
 
@@ -123,34 +125,59 @@ void Judgement::judge_laws() {
 }
 
 void Judgement::judge_states() {
-  facts_.states = !problem_.states.empty();
-  facts_.only_time = facts_.states && std::ranges::all_of(problem_.states, is_uniform);
+  const auto with_rates = [](const StateTerm& state) { return !state.algebraic; };
+  facts_.states = std::ranges::any_of(problem_.states, with_rates);
+  facts_.only_time = facts_.states && std::ranges::all_of(problem_.states, [](const auto& state) {
+                       return state.algebraic || is_uniform(state);
+                     });
   for (const auto& form : problem_.forms)
     if (reads_states(form))
       row("H(state)", "a form keeps its coefficients", std::nullopt, Answer::open, form.origin,
           facts_.only_time
               ? "they change in time: what is said of it holds at the initial time"
               : "they change with states: what is said of it holds at their initial values");
-  for (const auto& load : problem_.state_loads)
-    row("H(state)", "a load does not depend on the solution", std::nullopt, Answer::open,
-        load.origin,
-        facts_.only_time                 ? "it reads states that change in time alone"
-        : reads_solution(problem_, load) ? "it reads it: what is said of f leaves it out"
-                                         : "it reads states: what is said of f leaves it out");
+  for (const auto& load : problem_.state_loads) judge_load(load);
   for (const auto& state : problem_.states) {
-    if (is_uniform(state)) continue; // time: nothing of the solution is in it
+    // Time: nothing of the solution is in it. The others are a load's, which has its own rows.
+    if (is_uniform(state) || state.algebraic) continue;
     const RateConstants found = rate_constants(problem_, d_.mesh, state);
-    if (state.algebraic) {
-      judge_variation("H(state)", fmt::format("the {} is Lipschitz in what it reads", state.name),
-                      found.by_inputs, state.origin);
-      continue;
-    }
     const auto rate = fmt::format("the rate of `{}` is Lipschitz in ", state.name);
     judge_variation("H(state)", rate + (found.other_states ? "the states" : "the state"),
                     found.by_states, state.origin);
     if (found.reads_inputs)
       judge_variation("H(state)", rate + "its inputs", found.by_inputs, state.origin);
   }
+}
+
+/// By the name of what a load makes of the solution (its part before values of a test function, and
+/// that before gradients): how much it changes with what it reads. Empty: it reads states alone.
+std::map<std::string, Variation> Judgement::variations_of(const LoadTerm& load) const {
+  std::set<Slot> read;
+  for (const LoadTerm::Entry& entry : load.entries)
+    std::ranges::copy_if(entry.value.slots(), std::inserter(read, read.end()), slot::is_state);
+  std::map<std::string, Variation> out;
+  for (const Slot s : read) {
+    const auto& state = problem_.states[static_cast<std::size_t>(s - slot::first_state)];
+    if (!state.algebraic) continue;
+    const Variation entry = rate_constants(problem_, d_.mesh, state).by_inputs;
+    const auto [known, fresh] = out.try_emplace(state.name, entry);
+    if (!fresh) known->second = larger(known->second, entry);
+  }
+  return out;
+}
+
+void Judgement::judge_load(const LoadTerm& load) {
+  const auto variations = variations_of(load);
+  const bool reads = !variations.empty();
+  facts_.loads_read = facts_.loads_read || reads;
+  row(reads ? "H(f)" : "H(state)", "a load does not depend on the solution", std::nullopt,
+      Answer::open, load.origin,
+      reads              ? "it reads it: what is said of f leaves it out"
+      : facts_.only_time ? "it reads states that change in time alone"
+                         : "it reads states: what is said of f leaves it out");
+  for (const auto& [name, found] : variations)
+    judge_variation("H(f)", fmt::format("the {} is Lipschitz in what it reads", name), found,
+                    load.origin);
 }
 
 void Judgement::judge_variation(const char* name, const std::string& what, const Variation& found,

@@ -46,6 +46,10 @@ Variation operator+(const Variation& a, const Variation& b) {
   return {a.everywhere + b.everywhere, a.near + b.near, std::max(a.jumps, b.jumps)};
 }
 
+Variation larger(const Variation& a, const Variation& b) {
+  return {larger(a.everywhere, b.everywhere), larger(a.near, b.near), std::max(a.jumps, b.jumps)};
+}
+
 Variation operator*(double factor, const Variation& a) {
   const auto scaled = [&](const Bracket& v) {
     return Bracket{times(factor, v.low), times(factor, v.high)};

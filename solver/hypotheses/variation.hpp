@@ -22,6 +22,8 @@ struct Variation {
 
 /// The sum of both.
 Variation operator+(const Variation& a, const Variation& b);
+/// Of what has both as entries, by the largest of its entries.
+Variation larger(const Variation& a, const Variation& b);
 /// `factor` may be infinite.
 Variation operator*(double factor, const Variation& a);
 

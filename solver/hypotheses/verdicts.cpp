@@ -73,7 +73,8 @@ private:
     const bool positive = facts_.steps_margin > least_margin;
     const bool springs = facts_.semi_coercive && facts_.springs_hold;
     out_.discrete = (positive || springs) && facts_.proved && !facts_.coupled && !facts_.reads &&
-                    !facts_.states && facts_.inf_sup && failing({"H(f)"}).empty();
+                    !facts_.loads_read && !facts_.states && facts_.inf_sup &&
+                    failing({"H(f)"}).empty();
     if (out_.discrete)
       out_.discrete_verdict = fmt::format("on this mesh {} has exactly one solution", what);
     else if (!facts_.inf_sup)
@@ -87,16 +88,18 @@ private:
           "uniqueness is not guaranteed: laws alone hold the body (semi-coercive)";
     else if (facts_.reads)
       out_.discrete_verdict = "uniqueness is not guaranteed: a law reads the solution";
+    else if (facts_.loads_read)
+      out_.discrete_verdict = "uniqueness is not guaranteed: a load reads the solution";
     else if (facts_.states)
       out_.discrete_verdict =
           !positive ? std::string("uniqueness is not guaranteed: a step may have several "
-                                  "solutions, and laws or forms change with states")
+                                  "solutions, and laws, forms or loads change with states")
           : facts_.only_time
               ? std::string("with the forms of the initial time a step has exactly one solution; "
                             "they change in time, and of later steps nothing is said here: a run "
                             "says where it is not guaranteed")
-              : std::string("with the initial states held, a step has exactly one solution; laws "
-                            "or forms change with states, and of other states, or of both "
+              : std::string("with the initial states held, a step has exactly one solution; laws, "
+                            "forms or loads change with states, and of other states, or of both "
                             "together, nothing is said here: a run says where it is not "
                             "guaranteed");
     else if (positive && !facts_.proved)
@@ -134,6 +137,10 @@ private:
   }
   /// Says no where one of these fails, or the constants of the laws are not proved.
   bool refused(std::initializer_list<const char*> needed) {
+    if (facts_.loads_read) {
+      refuse("it knows no loads that read the solution");
+      return true;
+    }
     if (facts_.only_time) {
       refuse("it knows no forms that change in time; what is said of a step holds for those of the "
              "initial time");

@@ -17,8 +17,9 @@ struct VerdictFacts {
   bool proved = true;         ///< m_J of the laws is bounded by proof, not sampled
   bool coupled = false;       ///< a law's bound is another law's multiplier
   bool reads = false;         ///< a law without such a bound reads the solution
-  bool states = false;        ///< laws or forms change with states
+  bool states = false;        ///< laws, forms or loads change with states
   bool only_time = false;     ///< with none but time
+  bool loads_read = false;    ///< a load reads the solution
   bool semi_coercive = false; ///< no form and no value holds the body, laws do
   bool springs_hold = false;  ///< and these have slopes that rise everywhere, and do not soften
   bool multipliers = false;   ///< an unknown has no form of its own

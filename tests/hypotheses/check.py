@@ -330,6 +330,31 @@ for slope, note in (("beta^2*r", "on bounded sets only: 2 "), ("| r < beta -> 0 
     row = says(aged(slope=slope, shift=0), "H(state)", "`soft` is Lipschitz in the states")
     assert row["holds"] is None and row["note"].startswith(note), (slope, row)
 
+# Loads that read the solution: a row for each and what it stands before, with the largest of its entries (analytic).
+READS = '''mesh plate = rectangle(1, 1, cells = [2, 2])
+part left = plate.left
+part right = plate.right
+space V = scalar P1 on plate, zero on left
+find u in V for t in [0, 1] by 4 steps from u = 0
+such that for all v in V
+    integral(plate, u'*v + FORM*dot(grad(u), grad(v)))
+  = integral(plate, dot([2*sin(u), 3*cos(u)], grad(v)) + 0.5*sin(u)*v) + integral(right, tanh(u)*v)
+report
+  table end = u at [1, 1]
+'''
+for form in ("1", "(1 + t)"):
+    with tempfile.NamedTemporaryFile("w", suffix=".hvi") as file:
+        file.write(READS.replace("FORM", form)), file.flush()
+        report = check(file.name)
+    rows = [(h["line"], h["bound"], h["value"]) for h in report["hypotheses"] if h["name"] == "H(f)" and "is Lipschitz" in h["bound"]]
+    assert [(line, what) for line, what, _ in rows] == [(8, "the load of the gradient of u is Lipschitz in what it reads"),
+                                                        (8, "the load of u is Lipschitz in what it reads"),
+                                                        (8, "the load of u is Lipschitz in what it reads")], rows
+    for (_, _, value), constant in zip(rows, (3, 0.5, 1)):
+        close(value, constant, 1e-6)
+    assert report["verdict"]["discrete"]["says"] == "uniqueness is not guaranteed: a load reads the solution"
+    assert "it knows no loads that read the solution" in report["verdict"]["continuous"]["says"]
+
 # Inertia: rigid motions may be free of A, they have mass. Not without it, and not where A leaves out a part of the body.
 for mass, part, holds in (("u''", "bar", True), ("u'", "bar", True), ("u''", "half", False)):
     text = f"""mesh bar = interval(1, cells = 4)
