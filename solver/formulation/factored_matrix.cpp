@@ -102,7 +102,7 @@ void FactoredMatrix::factor_dealt() {
   if (iterations_)
     iterations_->matrix_changed();
   else
-    iterations_ = petsc_solver(of.rows(), of.pieces(), symmetric(), *operators_.iterative);
+    iterate_with(petsc_solver(of.rows(), of.pieces(), symmetric(), *operators_.iterative));
   if (free_) iterations_->set_free_motions(free_->on_unknowns);
   if (contact_.none()) take_for_a_factor();
 }
@@ -138,10 +138,15 @@ void FactoredMatrix::prepare_iterations() {
   if (iterations_)
     iterations_->matrix_changed();
   else
-    iterations_ = petsc_solver(free_ ? held_ : k_, symmetric(), *operators_.iterative);
+    iterate_with(petsc_solver(free_ ? held_ : k_, symmetric(), *operators_.iterative));
   rows_ = std::make_unique<HeldRows>(free_ ? held_ : k_, contact_.of_unknown);
   if (free_) iterations_->set_free_motions(free_->on_unknowns);
   if (contact_.none()) take_for_a_factor();
+}
+
+void FactoredMatrix::iterate_with(std::unique_ptr<IterativeSolver> solver) {
+  iterations_ = std::move(solver);
+  iterations_->call_between_iterations(between_);
 }
 
 /// Without laws nothing but linear systems is to be solved.

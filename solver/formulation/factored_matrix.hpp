@@ -22,6 +22,9 @@ public:
 
   /// Of the factors that are made from now on. Whoever takes singles has to correct what he solves.
   void set_entries(FactorEntries entries) { entries_ = entries; }
+  /// Called between iterations in place of a factor, from the next `factor` on; what it throws ends
+  /// them.
+  void call_between_iterations(std::function<void()> what) { between_ = std::move(what); }
   /// Numeric factorisation for these coefficients; the pattern is analysed the first time only.
   /// Throws Failure(not_coercive).
   void factor(const Vector& gamma);
@@ -68,6 +71,7 @@ private:
   bool symmetric() const;
   void set_matrix(SparseMatrix& k);
   void prepare_iterations();
+  void iterate_with(std::unique_ptr<IterativeSolver> solver);
   template <class Held> // held(i, hold K_ii)
   void for_held(const Held& held) const;
 
@@ -75,6 +79,7 @@ private:
   const Contact& contact_;
   const FactoredMatrix* like_;
   FactorEntries entries_ = FactorEntries::doubles;
+  std::function<void()> between_;
   std::span<const RigidMotions> motions_;
   const StateLayout* layout_ = nullptr;
   std::shared_ptr<const FreeBody> free_;

@@ -65,6 +65,9 @@ public:
   virtual bool set_laws(const SparseMatrix& h, bool symmetric) = 0;
   /// The H that was set last; null: none.
   virtual const SparseMatrix* laws() const = 0;
+  /// Called after iterations, not more than a few apart; what it throws ends the solve, of all
+  /// processes, and is thrown by it.
+  virtual void call_between_iterations(std::function<void()> what) = 0;
   /// x with |b - (K + H) x| <= reduction |b|.
   virtual IterativeAnswer solve(const Vector& b, double reduction, Vector& x) = 0;
   virtual const IterativeStatistics& statistics() const = 0;

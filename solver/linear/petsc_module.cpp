@@ -10,6 +10,7 @@
 
 #include <cstdlib>
 #include <exception>
+#include <functional>
 #include <new>
 #include <optional>
 #include <utility>
@@ -88,6 +89,23 @@ struct HelperBridge {
   }
 };
 
+/// What is called between iterations, as the module calls it: no exception passes through that.
+struct Watch {
+  std::function<void()> called;
+  std::exception_ptr thrown;
+
+  static int stop(void* context) {
+    Watch& watch = *static_cast<Watch*>(context);
+    if (!watch.called) return 0;
+    try {
+      watch.called();
+    } catch (...) {
+      watch.thrown = std::current_exception();
+    }
+    return watch.thrown ? 1 : 0;
+  }
+};
+
 class PetscSolver final : public IterativeSolver {
 public:
   PetscSolver(const SparseMatrix& k, bool symmetric, const UnknownsOfNodes& unknowns) : pieces_(k) {
@@ -128,12 +146,19 @@ public:
     return true;
   }
 
+  void call_between_iterations(std::function<void()> what) override {
+    watch_.called = std::move(what);
+  }
+
   IterativeAnswer solve(const Vector& b, double reduction, Vector& x) override {
     x.resize(b.size());
     HviPetscAnswer answer{};
-    require(bridge_.solve(solver_, b.data(), reduction, x.data(), &answer, message_.data(),
+    const HviPetscWatch watch{&watch_, &Watch::stop};
+    require(bridge_.solve(solver_, b.data(), reduction, &watch, x.data(), &answer, message_.data(),
                           message_.size()),
             message_);
+    if (answer.outcome == hvi_petsc_stopped)
+      std::rethrow_exception(std::exchange(watch_.thrown, nullptr));
     count();
     pieces_.leave_at_rest(b, x);
     ++statistics_.solves;
@@ -182,6 +207,7 @@ private:
 
   Bridge bridge_;
   HviPetscSolver* solver_ = nullptr;
+  Watch watch_;
   Pieces pieces_;
   std::optional<DealtRows> dealt_;
   const SparseMatrix* laws_ = nullptr;

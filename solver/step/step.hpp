@@ -28,8 +28,8 @@ class Stepper {
 public:
   Stepper(const Plan& plan, const Discretisation& discretisation, Timing& timing);
 
-  /// Called before every iteration of a step. What it throws ends the step in the middle, and then
-  /// this stepper takes no other.
+  /// Called before every iteration of a step, and between those of linear systems. What it throws
+  /// ends the step in the middle, and then this stepper takes no other.
   void call_before_iterations(std::function<void()> what) {
     state_.solver.equations.matrices.call_before_iterations(std::move(what));
   }

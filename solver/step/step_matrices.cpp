@@ -23,10 +23,11 @@ std::unique_ptr<StepMatrix> new_matrix(const SolverOptions& options, const Formu
   InequalityOptions of_laws;
   of_laws.tolerance = options.tolerance;
   of_laws.branch = options.branch;
-  of_laws.before_iteration = std::move(before_iteration);
+  of_laws.before_iteration = before_iteration;
   auto out =
       std::make_unique<StepMatrix>(formulation.operators(), formulation.contact(), of_laws, like);
   out->set_entries(options.factor);
+  out->call_between_iterations(std::move(before_iteration));
   if (!motions.empty()) out->may_be_free(motions, formulation.layout());
   return out;
 }

@@ -240,9 +240,9 @@ class Endings:
         self.judge(f"{name}: exit code {done.returncode}", good and (not once or done.stderr.count(once) == 1),
                    done.stdout, done.stderr)
 
-    def start(self, *arguments):
-        """A long run with two processes, some steps on its way, in a session of its own; the ids of its processes."""
-        path = self.script(LONG.format(n=24, steps=100000))
+    def begin(self, text, *arguments):
+        """A run of two processes, in a session of its own; the ids of its processes."""
+        path = self.script(text)
         shutil.rmtree(self.folder / "out", ignore_errors=True)
         run = subprocess.Popen([*self.launcher, self.program, "run", path, "--solver", "iterative", "-o", "out", *arguments],
                                cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -251,6 +251,12 @@ class Endings:
         while len(ids) < 2 and time.monotonic() - begin < SOON and run.poll() is None:
             time.sleep(0.05)
             ids = {rank: child for child in children(run.pid) if (rank := rank_of(child)) is not None}
+        return run, ids
+
+    def start(self, *arguments):
+        """The same of a long run, some steps on its way."""
+        begin = time.monotonic()
+        run, ids = self.begin(LONG.format(n=24, steps=100000), *arguments)
         while not self.saved() and time.monotonic() - begin < SOON and run.poll() is None:
             time.sleep(0.05)
         return run, ids
@@ -280,6 +286,15 @@ class Endings:
         good = run.returncode in codes and all(word in errors for word in words) and not left and self.saved()
         self.judge(f"{name}: exit code {run.returncode}", good, f"processes that are left: {left}", out[-2000:], errors)
 
+    def stopped_within_a_solve(self):
+        """The only step is a thousand iterations, whose end would be E0701."""
+        hard = iterative.HARD.format(poisson=0.49999999).replace("P1", "P2").replace("[6, 3, 3]", "[30, 14, 14]")
+        run, ids = self.begin(hard)
+        time.sleep(6)
+        os.kill(ids[0], signal.SIGINT)
+        out, errors = run.communicate(timeout=SOON)
+        self.judge(f"Ctrl-C within a solve: exit code {run.returncode}", run.returncode == 130 and "E0703" in errors, out, errors)
+
     def all(self):
         hard = iterative.HARD
         self.ends("a missing module", hard.format(poisson=0.3), 1, "E0601", "libpetsc-real-dev", once="error[",
@@ -298,6 +313,7 @@ class Endings:
         self.stopped("a killed worker", lambda run, ids: os.kill(ids[1], signal.SIGKILL), (137,), "signal 9")
         self.stopped("a killed first process", lambda run, ids: os.kill(ids[0], signal.SIGKILL), (137,), "signal 9")
         self.stopped("Ctrl-C for the first process", lambda run, ids: os.kill(ids[0], signal.SIGINT), (130,), "E0703")
+        self.stopped_within_a_solve()
         # After a second mpirun kills what has not ended by itself, also before it has said so.
         self.stopped("Ctrl-C for mpirun", lambda run, ids: run.send_signal(signal.SIGINT), (1, 130, 137))
         return self.wrong

@@ -116,12 +116,13 @@ int hvi_petsc_laws(HviPetscSolver* solver, const HviPetscMatrix* h, int symmetri
       message, capacity);
 }
 
-int hvi_petsc_solve(HviPetscSolver* solver, const double* b, double reduction, double* x,
-                    HviPetscAnswer* answer, char* message, std::size_t capacity) {
+int hvi_petsc_solve(HviPetscSolver* solver, const double* b, double reduction,
+                    const HviPetscWatch* watch, double* x, HviPetscAnswer* answer, char* message,
+                    std::size_t capacity) {
   return guarded(
       [&] {
         announce({Command::solve, solver->number, 0, reduction});
-        *answer = solver->krylov.solve(b, reduction, x);
+        *answer = solver->krylov.solve(b, reduction, watch, x);
         return 0;
       },
       message, capacity);

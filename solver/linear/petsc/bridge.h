@@ -35,7 +35,14 @@ struct HviPetscDealt {
   HviPetscMatrix mine;
 };
 
-constexpr int hvi_petsc_solved = 0, hvi_petsc_indefinite = 1, hvi_petsc_stagnated = 2;
+constexpr int hvi_petsc_solved = 0, hvi_petsc_indefinite = 1, hvi_petsc_stagnated = 2,
+              hvi_petsc_stopped = 3;
+
+/* Asked by the first process after iterations, where it is alone after every one; not 0: the solve ends, in all processes. */
+struct HviPetscWatch {
+  void* context;
+  int (*stop)(void* context);
+};
 
 struct HviPetscAnswer {
   int outcome, iterations;
@@ -89,8 +96,9 @@ using HviPetscFree = int (*)(HviPetscSolver* solver, const double* motions, int 
                              char* message, std::size_t capacity);
 using HviPetscLaws = int (*)(HviPetscSolver* solver, const HviPetscMatrix* h, int symmetric,
                              char* message, std::size_t capacity);
-using HviPetscSolve = int (*)(HviPetscSolver* solver, const double* b, double reduction, double* x,
-                              HviPetscAnswer* answer, char* message, std::size_t capacity);
+using HviPetscSolve = int (*)(HviPetscSolver* solver, const double* b, double reduction,
+                              const HviPetscWatch* watch, double* x, HviPetscAnswer* answer,
+                              char* message, std::size_t capacity);
 using HviPetscCount = void (*)(const HviPetscSolver* solver, HviPetscCounts* counts);
 using HviPetscClose = void (*)(HviPetscSolver* solver);
 

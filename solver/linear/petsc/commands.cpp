@@ -82,7 +82,7 @@ private:
     if (command.what == Command::free) solver.set_free_motions(nullptr, command.number);
     if (command.what == Command::laws)
       solver.set_laws(HviPetscMatrix{0, &none_, nullptr, nullptr}, command.number != 0);
-    if (command.what == Command::solve) solver.solve(nullptr, command.reduction, nullptr);
+    if (command.what == Command::solve) solver.solve(nullptr, command.reduction, nullptr, nullptr);
   }
 
   const HviPetscHelper& helper_;

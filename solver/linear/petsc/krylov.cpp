@@ -13,6 +13,8 @@ constexpr int most_iterations = 1000;
 /// process holds, but at least and at most so many.
 constexpr double bytes_of_vectors = 1e8;
 constexpr int least_restart = 60, most_restart = 300;
+/// After so many iterations several processes agree whether to stop: that is a message to all.
+constexpr int between_looks = 8;
 /// An old multigrid is given up when it takes so many times the iterations for a digit.
 constexpr double too_slow = 1.5;
 /// The layers of a body that laws alone hold are almost singular: of K's diagonal, added to it.
@@ -162,6 +164,8 @@ bool Krylov::set_laws(const HviPetscMatrix& h, bool symmetric) {
 
 void Krylov::choose_method() {
   check(KSPCreate(distribution_.comm(), ksp_.put()));
+  if (default_test_ == nullptr) check(KSPConvergedDefaultCreate(&default_test_));
+  check(KSPSetConvergenceTest(ksp_.get(), &Krylov::judge, this, nullptr));
   const Mat matrix = several_ != nullptr ? weighted_.get() : shell_.get();
   check(KSPSetOperators(ksp_.get(), matrix, matrix));
   check(KSPSetType(ksp_.get(), symmetric_ ? KSPCG : several_ != nullptr ? KSPFGMRES : KSPGMRES));
@@ -178,6 +182,24 @@ void Krylov::choose_method() {
   check(PCSetType(shell, PCSHELL));
   check(PCShellSetContext(shell, this));
   check(PCShellSetApply(shell, &Krylov::apply_preconditioner));
+}
+
+Krylov::~Krylov() {
+  if (default_test_ != nullptr) static_cast<void>(KSPConvergedDefaultDestroy(default_test_));
+}
+
+/// PETSc's own test; where that goes on, all processes end with an iteration after which the first
+/// one is asked to stop.
+PetscErrorCode Krylov::judge(KSP ksp, PetscInt n, PetscReal norm, KSPConvergedReason* reason,
+                             void* self) {
+  Krylov& of = *static_cast<Krylov*>(self);
+  PetscCall(KSPConvergedDefault(ksp, n, norm, reason, of.default_test_));
+  if (*reason != KSP_CONVERGED_ITERATING) return 0;
+  if (!of.distribution_.alone() && n % between_looks != 0) return 0;
+  const bool asked = of.watch_ != nullptr && of.watch_->stop(of.watch_->context) != 0;
+  of.stopped_ = of.distribution_.of_first(asked ? 1 : 0) != 0;
+  if (of.stopped_) *reason = KSP_DIVERGED_BREAKDOWN;
+  return 0;
 }
 
 PetscErrorCode Krylov::apply_matrix(Mat shell, Vec x, Vec y) {
@@ -223,7 +245,9 @@ void Krylov::prepare() {
   free_stale_ = false;
 }
 
-HviPetscAnswer Krylov::solve(const double* b, double reduction, double* x) {
+HviPetscAnswer Krylov::solve(const double* b, double reduction, const HviPetscWatch* watch,
+                             double* x) {
+  watch_ = watch, stopped_ = false;
   prepare();
   if (free_ && !free_known_) {
     std::fill_n(x, given_.rows, 0.0);
@@ -293,7 +317,8 @@ HviPetscAnswer Krylov::answer_of_method() const {
   check(VecNorm(b_.get(), NORM_2, &size));
   out.iterations = iterations();
   out.reduction = size > 0.0 ? left / size : 0.0;
-  out.outcome = reason > 0                              ? hvi_petsc_solved
+  out.outcome = stopped_                                ? hvi_petsc_stopped
+                : reason > 0                            ? hvi_petsc_solved
                 : reason == KSP_DIVERGED_INDEFINITE_MAT ? hvi_petsc_indefinite
                                                         : hvi_petsc_stagnated;
   return out;

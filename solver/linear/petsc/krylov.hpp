@@ -19,18 +19,24 @@ public:
   /// `mine`: this process's rows of K, of which k has the number of all then; null: k is K.
   Krylov(const HviPetscMatrix& k, const HviPetscMatrix* mine, bool symmetric,
          const HviPetscUnknowns& unknowns);
+  ~Krylov();
+  Krylov(const Krylov&) = delete; // PETSc calls it
+  Krylov& operator=(const Krylov&) = delete;
   void matrix_changed(const HviPetscMatrix* mine);
   /// Those that K leaves free.
   void set_free_motions(const double* motions, int count);
   /// False: the layers at the contact have no factor.
   bool set_laws(const HviPetscMatrix& h, bool symmetric);
-  HviPetscAnswer solve(const double* b, double reduction, double* x);
+  /// `watch` of the first process; null of the others.
+  HviPetscAnswer solve(const double* b, double reduction, const HviPetscWatch* watch, double* x);
   HviPetscCounts counts() const;
 
 private:
   static PetscErrorCode apply_matrix(Mat shell, Vec x, Vec y);
   static PetscErrorCode apply_weighted(Mat shell, Vec x, Vec y);
   static PetscErrorCode apply_preconditioner(PC shell, Vec r, Vec z);
+  static PetscErrorCode judge(KSP ksp, PetscInt n, PetscReal norm, KSPConvergedReason* reason,
+                              void* self);
   PetscErrorCode balanced(Vec r, Vec z);
   std::vector<double> in_own_numbering(const double* columns, int count) const;
   void prepare();
@@ -69,6 +75,9 @@ private:
   std::vector<HviPetscLevel> levels_;
   std::array<double, 3> sent_{}; ///< by this process, of all iterations
   Owned<KSP> ksp_;
+  void* default_test_ = nullptr; ///< PETSc's, of ksp_
+  const HviPetscWatch* watch_ = nullptr;
+  bool stopped_ = false; ///< by the watch
   Owned<Vec> b_, x_, weights_, unweighted_, unbalanced_;
   /// Iterations for each digit, since the multigrid was set up and of the last solve.
   double best_effort_ = 0.0, last_effort_ = 0.0;

@@ -15,6 +15,7 @@ public:
   void set_free_motions(const DenseMatrix&) override {}
   bool set_laws(const SparseMatrix&, bool) override { return true; }
   const SparseMatrix* laws() const override { return nullptr; }
+  void call_between_iterations(std::function<void()>) override {}
   IterativeAnswer solve(const Vector& b, double, Vector& x) override {
     x = b;
     for (Eigen::Index i = 0; i < b.size(); ++i) x[i] /= static_cast<double>(i + 1);

@@ -316,6 +316,32 @@ TEST(Iterative, SaysThatItStagnates) {
   EXPECT_FALSE(answer.reason.empty());
 }
 
+/// By conjugate gradients and by GMRES; the next solve is one as ever.
+TEST(Iterative, EndsWhereItIsAskedToStop) {
+  for (const double wind : {0.0, 0.3}) {
+    const SparseMatrix k = springs(16, 1e-3, wind);
+    OPEN(solver, k, wind == 0.0, nodes_of(16));
+    const Vector b = random_vector(k.rows());
+    Vector x;
+    int calls = 0;
+    solver->call_between_iterations([&] {
+      if (++calls == 3) throw Failure(FailureKind::interrupted, {}, "enough");
+    });
+    try {
+      solver->solve(b, 1e-12, x);
+      FAIL() << "it went on";
+    } catch (const Failure& failure) {
+      EXPECT_EQ(failure.kind, FailureKind::interrupted);
+    }
+    EXPECT_EQ(calls, 3);
+    const IterativeAnswer answer = solver->solve(b, 1e-12, x);
+    EXPECT_TRUE(answer.solved()) << answer.reason;
+    EXPECT_GT(answer.iterations, 3);
+    EXPECT_LT(error(k, b, x), 1e-8);
+    EXPECT_GE(calls, 3 + answer.iterations);
+  }
+}
+
 TEST(Iterative, AModuleThatIsNotThereIsNamed) {
   ASSERT_EQ(setenv("HVI_PETSC_MODULE", "/nowhere/libhvi_petsc.so", 1), 0);
   try {
