@@ -4,6 +4,7 @@
 #include "lang/check/check.hpp"
 #include "lang/lower/lower.hpp"
 #include "lang/mesh_report.hpp"
+#include "lang/mesh_sides.hpp"
 #include "lang/mesh_tables.hpp"
 #include "lang/mesh_values.hpp"
 #include "lang/stdlib.hpp"
@@ -217,6 +218,7 @@ Exit Session::discretise(const std::atomic<bool>* stop) {
     if (!script.diagnostics.has_errors()) {
       report_misfits(script, discretisation);
       report_fine_tables(script, discretisation);
+      report_several_values(script, discretisation);
     }
     if (!script.diagnostics.has_errors()) check_materials(script, discretisation);
     if (!script.diagnostics.has_errors()) warn_of_poles_in_space();

@@ -108,7 +108,7 @@ private:
                            tensors_, laws_,   applications_, calls_};
   FindStatement statement_{
       context_, {groups_, parts_, pairs_, places_, series_, memories_, states_, sources_, spaces_}};
-  Report report_{context_, pairs_, probes_, memories_, laws_};
+  Report report_{context_, parts_, pairs_, probes_, memories_, laws_};
   Expectations expectations_{context_, report_.results()};
   Studies studies_{context_};
 };

@@ -142,6 +142,11 @@ bool Pairs::take_jumps_at_point(const Span& span, Symbol& expression, solver::Pr
                     "ask for each by itself, and combine the columns");
     return false;
   }
+  if (probe.part >= 0) {
+    mistakes_.error("E0441", span, "a jump, a mean or a gap is of both sides: `on` names one",
+                    "leave out `on` and the name behind it");
+    return false;
+  }
   probe.on_pair = true;
   probe.part = reads.gap ? at_hand_.gap : -1;
   expression = without_jumps(expression);

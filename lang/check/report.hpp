@@ -11,10 +11,11 @@ namespace hvi::lang {
 
 class Report {
 public:
-  Report(const Context& context, Pairs& pairs, Probes& probes, Memories& memories, Laws& laws)
-      : results_(context), tables_(context, pairs, probes, results_), fields_(context, results_),
-        pictures_(context, memories, laws, results_, fields_), curves_(context, results_, fields_) {
-  }
+  Report(const Context& context, Parts& parts, Pairs& pairs, Probes& probes, Memories& memories,
+         Laws& laws)
+      : results_(context), tables_(context, parts, pairs, probes, results_),
+        fields_(context, results_), pictures_(context, memories, laws, results_, fields_),
+        curves_(context, results_, fields_) {}
 
   void read(const ast::Program& script);
   Results& results() { return results_; }

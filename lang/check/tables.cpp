@@ -59,6 +59,7 @@ bool Tables::binding(const ast::Binding& b, solver::TableSpec& table) {
     p.kind = Probe::Kind::at_point;
     p.origin = model_.origin(b.point->span);
     for (int i = 0; i < model_.dim; ++i) p.point[i] = (*at)[i];
+    if (!take_side(b, *value, p)) return false;
   } else {
     if (!value || !good) return false;
     if (!has_one_value(b, *value)) return false;
@@ -89,6 +90,31 @@ std::optional<Field> Tables::column_value(const ast::Binding& b) {
     mistakes_.error("E0306", b.value.span,
                     fmt::format("a column is a scalar or a vector, not {}", describe(*value)));
   return std::nullopt;
+}
+
+/// `at [..] on part`: of these cells.
+bool Tables::take_side(const ast::Binding& b, const Field& value, Probe& p) {
+  if (!b.side) return true;
+  const auto part = parts_.index_of(*b.side);
+  if (!part) return false;
+  const auto kind = model_.parts[static_cast<std::size_t>(*part)].kind;
+  if (kind && *kind != solver::Group::Kind::cells) {
+    mistakes_.error("E0306", b.side->span, fmt::format("`{}` is no part of cells", b.side->text),
+                    "name a piece of the mesh, or a part of its cells: `on upper`");
+    return false;
+  }
+  const auto of_points = [](const Symbol& component) {
+    return component.depends_on_any(slot::first_multiplier, slot::first_inside) ||
+           component.depends_on_any(slot::first_state, slot::first_probe);
+  };
+  if (std::ranges::any_of(value.components, of_points)) {
+    mistakes_.error("E0306", b.side->span,
+                    "a multiplier or a state has its own points, of which `on` does not choose",
+                    fmt::format("leave out `on {}`", b.side->text));
+    return false;
+  }
+  p.part = *part;
+  return true;
 }
 
 /// Is it made of numbers of the report and of t only?

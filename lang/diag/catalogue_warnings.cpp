@@ -197,6 +197,15 @@ a cell differs by more than a hundredth of its largest value from the mean of th
 mesh bar = interval(1, cells = 10) ... integral(bar, table("thousand_points.csv", x)*v))",
      R"(
 mesh bar = interval(1, cells = 1000) ... integral(bar, table("thousand_points.csv", x)*v))"},
+    {"W0613", "value at a point of two sides",
+     R"(
+Where two bodies touch, and on the two sides of a crack, each side has nodes of its own, and a value at a point there is that of
+one of them: of the piece that stands first in the sum of meshes. `on` and a piece of the mesh, or a part of its cells, says
+which side is meant; on a pair `jump(u)` is the difference of both, `mean(u)` their mean.)",
+     R"(
+mesh both = upper + lower ... table tip = u.y at [0.5, 1])",
+     R"(
+table tip = u.y at [0.5, 1] on upper, below = u.y at [0.5, 1] on lower)"},
 });
 
 } // namespace

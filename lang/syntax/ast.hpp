@@ -237,6 +237,7 @@ struct Binding {
   Name name;
   Expr value;
   std::optional<Expr> point; // a List
+  std::optional<Name> side;  // a part of cells: the point is one of these
   std::optional<Expr> time;
 };
 

@@ -130,7 +130,7 @@ ast::PlotItem ReportParser::plot_item() {
   return result;
 }
 
-// binding = name "=" expr [ "at" list ] [ "at" "t" "=" expr ] ;
+// binding = name "=" expr [ "at" list [ "on" name ] ] [ "at" "t" "=" expr ] ;
 ast::Binding ReportParser::binding() {
   ast::Binding result;
   result.name = names_.name("the name of a column");
@@ -146,6 +146,7 @@ ast::Binding ReportParser::binding() {
   if (cursor_.at_word("at") && !at_time()) {
     cursor_.take();
     result.point = expressions_.list();
+    if (cursor_.accept_word("on")) result.side = names_.name("the name of a part");
   }
   if (at_time()) result.time = time_value();
   result.span = cursor_.span_from(result.name.span);

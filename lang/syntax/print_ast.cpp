@@ -217,6 +217,7 @@ void StatementPrinter::binding(const ast::Binding& binding) {
   const TreeLines::Indent indent(lines_);
   expressions_.print("", binding.value);
   optional("at: ", binding.point);
+  if (binding.side) lines_.line("on " + binding.side->text, binding.side->span);
   optional("t: ", binding.time);
 }
 

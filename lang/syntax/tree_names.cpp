@@ -54,7 +54,9 @@ public:
     for (const ast::ReportItem& item : s.items) std::visit(*this, item);
   }
   void operator()(const ast::TableItem& item) {
-    for (const ast::Binding& b : item.columns) visit(b.value), visit(b.point), visit(b.time);
+    for (const ast::Binding& b : item.columns) {
+      visit(b.value), visit(b.point), visit(b.side), visit(b.time);
+    }
     visit(item.every);
   }
   void operator()(const ast::FieldsItem& item) {

@@ -160,23 +160,35 @@ std::vector<Failure> outside_domains(const Plan& plan, const Discretisation& d) 
   return std::move(checks.failures);
 }
 
-int cell_that_reads(const Discretisation& d, const Expr& expression, const Point& point, int found,
-                    std::array<double, 4>& barycentric) {
-  const Space& space = d.space;
+ReadingCells::ReadingCells(const Discretisation& d, const Expr& expression, int part)
+    : space_(d.space) {
   Read read;
   add_expression(d, expression, read);
-  const auto good = [&](int cell) {
-    for (std::size_t b = 0; b < space.blocks.size(); ++b)
-      if (read.any[b] && !space.blocks[b].lives_in(cell)) return false;
-    return true;
-  };
-  if (good(found)) return found;
+  read_ = read.any;
+  if (part < 0) return;
+  of_part_.assign(d.mesh.cells.size(), 0);
+  for (const std::int32_t cell : d.parts[static_cast<std::size_t>(part)].entities)
+    of_part_[static_cast<std::size_t>(cell)] = 1;
+}
+
+bool ReadingCells::has(int cell) const {
+  if (!of_part_.empty() && of_part_[static_cast<std::size_t>(cell)] == 0) return false;
+  for (std::size_t b = 0; b < space_.blocks.size(); ++b)
+    if (read_[b] && !space_.blocks[b].lives_in(cell)) return false;
+  return true;
+}
+
+int cell_that_reads(const Discretisation& d, const Expr& expression, const Point& point, int found,
+                    std::array<double, 4>& barycentric, int part) {
+  const Space& space = d.space;
+  const ReadingCells cells(d, expression, part);
+  if (cells.has(found)) return found;
   Mesh where; // of the cells that will do
   where.dim = space.mesh->dim;
   where.nodes = space.mesh->nodes;
   std::vector<int> number;
   for (int cell = 0; cell < static_cast<int>(space.mesh->cells.size()); ++cell) {
-    if (!good(cell)) continue;
+    if (!cells.has(cell)) continue;
     number.push_back(cell);
     where.cells.push_back(space.mesh->cells[static_cast<std::size_t>(cell)]);
   }

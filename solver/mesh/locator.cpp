@@ -54,6 +54,8 @@ double det(const Point& a, const Point& b, const Point& c) {
          a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
+} // namespace
+
 /// lambda_i = measure of the cell with corner i replaced by p, over the measure of the cell.
 std::array<double, 4> barycentric_of(const Mesh& mesh, std::int32_t cell, const Point& p) {
   const auto& c = mesh.cells[cell];
@@ -76,8 +78,6 @@ std::array<double, 4> barycentric_of(const Mesh& mesh, std::int32_t cell, const 
   for (double& x : part) x /= whole;
   return part;
 }
-
-} // namespace
 
 CellLocator::CellLocator(const Mesh& mesh, std::size_t points)
     : mesh_(&mesh), order_(mesh.cells.size()) {

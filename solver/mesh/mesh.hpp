@@ -69,6 +69,9 @@ struct Box {
 };
 Box bounding_box(const Mesh& mesh);
 
+/// The barycentric coordinates of a point in a cell; outside of it some are below 0.
+std::array<double, 4> barycentric_of(const Mesh& mesh, std::int32_t cell, const Point& p);
+
 /// Finds the cell that holds a point and its barycentric coordinates there (-1: outside, some
 /// barycentric coordinate below -1e-9). On a common side of cells the answer is one of them, always
 /// the same; where several pieces of a mesh meet, one of the first of them. A tree of boxes: O(log

@@ -17,7 +17,8 @@ struct Probe {
                         ///< slot::probe, slot::t
   Point point{};        ///< at_point
   bool on_pair = false; ///< at_point: values of fields are jumps, at a point of a pair
-  /// integral, largest, smallest, reaction; on_pair: of this pair, or of the one with the point.
+  /// integral, largest, smallest, reaction; on_pair: of this pair, or of the one with the point;
+  /// else at_point: the cell is one of this part, or any.
   int part = -1;
   Rule rule = Rule::exact;    ///< integral; with a multiplier, the law's own rule
   std::optional<double> time; ///< the value at this time, by the interpolant

@@ -71,7 +71,8 @@ ProbeSet::Evaluator ProbeSet::make(const Probe& probe, const Problem& problem,
   }
   std::array<double, 4> barycentric{};
   int cell = locator.find(probe.point, barycentric);
-  if (cell >= 0) cell = cell_that_reads(d, probe.expression, probe.point, cell, barycentric);
+  if (cell >= 0)
+    cell = cell_that_reads(d, probe.expression, probe.point, cell, barycentric, probe.part);
   if (cell < 0)
     throw Failure(FailureKind::bad_value, probe.origin,
                   "the point of `" + probe.name + "` is outside the mesh");

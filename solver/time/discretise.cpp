@@ -8,6 +8,7 @@
 #include "solver/discrete/axis_parts.hpp"
 #include "solver/discrete/domains.hpp"
 #include "solver/discrete/overlaps.hpp"
+#include "solver/discrete/probe_places.hpp"
 #include "solver/mesh/boundary_distance.hpp"
 #include "solver/plan/couplings.hpp"
 #include "solver/plan/validate.hpp"
@@ -279,6 +280,7 @@ std::vector<Failure> discretise_on(const Plan& plan, Mesh mesh, Discretisation& 
   if (spaced) collect(failures, [&] { check_velocity(plan.problem, out); });
   if (!failures.empty()) return failures;
   failures = outside_domains(plan, out);
+  std::ranges::move(outside_parts(plan, out), std::back_inserter(failures));
   if (!failures.empty()) return failures;
   failures = reactions_of_nothing(plan, out);
   std::ranges::move(misplaced_multipliers(plan, out), std::back_inserter(failures));
