@@ -9,12 +9,12 @@ namespace hvi::lang {
 
 /// Where the expression stands that is read: it changes as the checker goes through a script.
 struct AtHand {
-  int declaration = -1;          ///< that is evaluated
-  int part = -1;                 ///< of the integral that is read
-  int gap = -1;                  ///< the part whose gap the expression has read
-  bool reads_multiplier = false; ///< the form term has `slip.xi` in it
-  bool reads_stress = false;     ///< it has sigma in it
-  bool normal_missed = false;    ///< in the integral a normal was missed and reported
+  int declaration = -1;       ///< that is evaluated
+  int part = -1;              ///< of the integral that is read
+  int gap = -1;               ///< the part whose gap the expression has read
+  bool source = false;        ///< the form term has `slip.xi` or a state of a boundary in it
+  bool reads_stress = false;  ///< it has sigma in it
+  bool normal_missed = false; ///< in the integral a normal was missed and reported
 };
 
 struct Context {

@@ -18,9 +18,9 @@ void Forms::read(const ast::Find& find) {
   std::vector<std::pair<const ast::FormTerm*, bool>> sources; // wait until all laws are known
   const auto take = [&](const std::vector<ast::FormTerm>& terms, bool right) {
     for (const ast::FormTerm& term : terms) {
-      at_hand_.reads_multiplier = false;
+      at_hand_.source = false;
       form_term(term, right, false);
-      if (at_hand_.reads_multiplier) sources.emplace_back(&term, right);
+      if (at_hand_.source && !mistakes_.has_error_in(term.span)) sources.emplace_back(&term, right);
     }
   };
   take(find.left.terms, false);

@@ -70,8 +70,9 @@ bool Laws::take_readings(const std::string& name, const Span& span, const Symbol
       mistakes_.error(
           "E0432", span,
           fmt::format("`{}` reads more of the solution than its values at the point", name),
-          fmt::format("write `{0}.nu`, `norm({0}.tau)`, `{0}.x` or such a part of `{0}'` and "
-                      "`history(q, {0})`",
+          fmt::format("values are `{0}.nu`, `norm({0}.tau)`, `{0}.x`, such parts of `{0}'` and "
+                      "`history(q, {0})`; gradients are read by loads without a multiplier or a "
+                      "state of a boundary",
                       unknowns_.name_of(0)));
       return false;
     }

@@ -315,7 +315,7 @@ Value Laws::member(const ast::Member& m, int declaration, const Scope& scope) {
   }
   if (scope.law) return coupled_multiplier(m, declaration);
   if (scope.test && !scope.source) { // to be read again when all laws are known
-    at_hand_.reads_multiplier = true;
+    at_hand_.source = true;
     return Poison{};
   }
   if (!scope.report && !scope.source) {

@@ -65,12 +65,15 @@ std::optional<Value> References::built_in_name(const ast::Expr& e, const std::st
 
 Value References::hidden_state(const Span& span, int declaration, const Scope& scope) {
   names_[declaration].used = true;
+  if (scope.test && !scope.source) { // to be read again when all laws are known
+    at_hand_.source = true;
+    return Poison{};
+  }
   mistakes_.error(
       "E0309", span,
       fmt::format("the state `{}` cannot be used{}", names_[declaration].name, visible_note(scope)),
-      "it stands in superpotentials, beside the unknown in the argument of a law, in forms and "
-      "loads "
-      "over cells, in rates and in `report`");
+      "it stands in superpotentials, beside the unknown in the argument of a law, in loads on its "
+      "part, in forms over cells, in rates and in `report`");
   return Poison{};
 }
 

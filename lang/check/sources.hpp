@@ -1,4 +1,5 @@
-// Sources: linear forms on the part of a law that read its multiplier. See sources.cpp.
+// Sources: linear forms on the part of a law that read its multiplier, or states there. See
+// sources.cpp.
 #pragma once
 
 #include "lang/check/context.hpp"
@@ -19,8 +20,8 @@ public:
       : mistakes_(context.mistakes), model_(context.model), unknowns_(context.unknowns),
         pairs_(pairs), multipliers_(multipliers), states_(states), laws_(laws) {}
 
-  /// The term, whose integrand reads multipliers and is linear in test functions, becomes laws: one
-  /// for each component of a test function. False: reported.
+  /// The term, whose integrand reads multipliers or states of a boundary and is linear in test
+  /// functions, becomes laws: one for each component of a test function. False: reported.
   bool take(ModelTerm& term, const Span& span);
 
 private:

@@ -258,7 +258,8 @@ find u in V for t in [0, 1] by 8 steps from u = 0, u' = [0, -1] such that for al
 A bound or coefficient of a law may depend on the solution at the law's point: on unknowns, their
 rates and memories, by components, by the normal and the tangential part, not on derivatives. A law
 reads up to four such quantities; what depends on the solution alone is one of them, however long
-its expression. The multiplier that it reads of another law is that of a law of a scalar.)",
+its expression. The multiplier that it reads of another law is that of a law of a scalar. The same
+holds for a source, a load that reads a multiplier or a state of a boundary.)",
      R"(
 superpotential rub(w) = (1 + abs(div(history(q, u)))) * norm(w))",
      R"(
@@ -333,12 +334,13 @@ space V = vector P2 on body, zero on walls
 space Q = scalar P1 on body
 find u in V, p in Q such that for all v in V, q in Q
   integral(body, 2*mu*(eps(u) : eps(v)) - p*div(v) + q*div(u)) = integral(body, dot(f(), v)))"},
-    {"E0447", "a source that reads a multiplier",
+    {"E0447", "a source that reads a multiplier or a state",
      R"(
 A linear form on the part of a law may read the law's multiplier and, as it likes, the solution
 there: the heat that friction makes is `dot(slip.xi, u'.tau) * eta`, on a pair, where half of it goes
-to either side, `dot(slip.xi, jump(u').tau) * mean(eta)`. It is found with each step. It stands in an
-integral of its own, before values of a test function.)",
+to either side, `dot(slip.xi, jump(u').tau) * mean(eta)`. So may it read a state that lives at the law's
+points, `leak(wear) * eta`. It is found with each step. It stands in an integral of its own, before
+values of a test function.)",
      R"(
 find u in V, theta in W for t in [0, 1] by 8 steps from u = 0, theta = 0
 such that for all v in V, eta in W
