@@ -11,6 +11,7 @@
 #include "solver/inequality/fallback.hpp"
 
 #include "solver/inequality/augmented_laws.hpp"
+#include "solver/inequality/iterative_operator.hpp"
 #include "solver/inequality/line_search.hpp"
 #include "solver/inequality/multipliers.hpp"
 
@@ -115,7 +116,10 @@ MethodOutcome AugmentedProblem::minimise(const InequalityOptions& options,
     best = std::min(best, ratio);
     if (best <= nearly_solved && in_vain >= patience) return MethodOutcome::failed; // at rounding
     if (!factor_.make(laws.d, report)) return MethodOutcome::indefinite;
-    op.solve(errors.left, line.direction);
+    if (const IterativeOperator* by_iterations = op.iterative())
+      by_iterations->solve_for_direction(errors.left, line.direction);
+    else
+      op.solve(errors.left, line.direction);
     const double unit = line.direction.lpNorm<Eigen::Infinity>();
     if (!(unit > 0.0) || !std::isfinite(unit)) return MethodOutcome::failed;
     ++report.iterations;

@@ -43,12 +43,16 @@ public:
   /// As far as iterations come.
   IterativeAnswer answer_to(const Vector& b, double reduction, Vector& x) const;
   /// x with |b - (K + H) x| <= reduction |b|. False: K + H is not positive definite. Throws
-  /// Failure(not_certified) where the iterations stagnate.
-  bool solve_to(const Vector& b, double reduction, Vector& x) const;
+  /// Failure(not_certified) where the iterations stagnate before they have come to `enough`.
+  bool solve_to(const Vector& b, double reduction, Vector& x, double enough = 0.0) const;
+  /// A direction of Newton's method with a search along it: where laws are stiffer than the body by
+  /// many decades, iterations stagnate at the rounding of the laws' forces, far from what a factor
+  /// leaves.
+  void solve_for_direction(const Vector& b, Vector& x) const;
 
 private:
   bool use_laws() const;
-  void solve_or_refuse(const Vector& b, double reduction, Vector& x) const;
+  void solve_or_refuse(const Vector& b, double reduction, Vector& x, double enough = 0.0) const;
 
   const MatrixRows& k_;
   bool symmetric_;
