@@ -105,7 +105,7 @@ class Turner:
             if letter not in arguments:
                 text = re.sub(rf"(?<![\w.]){letter}(?!\w)", f"was_{letter}()", text)
         text = self.brackets(text, places)
-        return re.sub(r"(?<![\w.])(\w+'?(?:\.xi)?)\.([xyz])\b", lambda m: f"dot({m[1]}, {self.axis(m[2])})", text)
+        return re.sub(r"(?<![\w.])(\w+'?(?:\.xi)?|reaction\(\w+\))\.([xyz])\b", lambda m: f"dot({m[1]}, {self.axis(m[2])})", text)
 
 
 def with_rule(text, rule):
