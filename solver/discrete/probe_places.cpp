@@ -63,14 +63,21 @@ std::vector<Failure> outside_parts(const Plan& plan, const Discretisation& d) {
   Barycentric at{};
   for (const Probe& probe : plan.report.probes) {
     if (probe.kind != Probe::Kind::at_point || probe.on_pair || probe.part < 0) continue;
+    const auto part = static_cast<std::size_t>(probe.part);
+    const std::string& name = plan.problem.parts[part].name;
+    const char* const help = "`on` names a part of cells that has the point";
+    if (d.parts[part].kind != Group::Kind::cells) {
+      out.emplace_back(FailureKind::bad_value, probe.origin,
+                       fmt::format("`{}` is no part of cells", name), help);
+      continue;
+    }
     const int found = locator.find(probe.point, at);
     if (found < 0 || cell_that_reads(d, Expr(0.0), probe.point, found, at, probe.part) >= 0)
       continue;
     out.emplace_back(FailureKind::bad_value, probe.origin,
                      fmt::format("the point {} of `{}` is outside `{}`",
-                                 describe_point(probe.point, d.mesh.dim), probe.name,
-                                 plan.problem.parts[static_cast<std::size_t>(probe.part)].name),
-                     "`on` names a part of cells that has the point");
+                                 describe_point(probe.point, d.mesh.dim), probe.name, name),
+                     help);
   }
   return out;
 }

@@ -381,6 +381,7 @@ private:
     if (probe.kind == Kind::largest || probe.kind == Kind::smallest)
       part(probe.part, probe.origin, "an extreme");
     if (probe.kind == Kind::reaction) part(probe.part, probe.origin, "a reaction");
+    if (probe.kind == Kind::at_point && probe.part != -1) part(probe.part, probe.origin, "a point");
     if (probe.kind == Kind::norm_v || probe.kind == Kind::reaction) return;
     const Allowed allowed =
         probe.kind == Kind::combination ? Allowed{.time = true, .probes = i} : of_report;
