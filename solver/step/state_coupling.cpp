@@ -24,6 +24,8 @@ constexpr double contracts = 0.1;
 constexpr double contracts_in_forms = 1e-3;
 constexpr int most_newton = 40;
 constexpr int most_plain = 400;
+/// Passes that do not halve the least error so far: what gets to the tolerance at all is faster.
+constexpr int most_in_vain = 100;
 constexpr int most_mixed = 100;
 constexpr double least_part = 0.05;
 /// From one step of a march to the next.
@@ -281,12 +283,15 @@ private:
 
   /// Passes that go a part of the way, less where the error does not fall.
   bool settle_by_parts() {
-    double part = 1.0, before = error_;
-    for (int k = 0; k < most_plain && std::isfinite(error_); ++k) {
+    double part = 1.0, before = error_, best = error_;
+    int in_vain = 0;
+    for (int k = 0; k < most_plain && in_vain < most_in_vain && std::isfinite(error_); ++k) {
       solve_with(states_.kept(contact_.state_values + part * (wanted_ - contact_.state_values)));
       if (near()) return true;
       if (error_ > 0.9 * before) part = std::max(least_part, 0.7 * part);
       before = error_;
+      in_vain = error_ < 0.5 * best ? 0 : in_vain + 1;
+      if (in_vain == 0) best = error_;
     }
     return error_ <= tolerance_;
   }
