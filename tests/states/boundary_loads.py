@@ -3,7 +3,7 @@
 usage: boundary_loads.py HVI_RUN [--scenes N] [--seed S]
 
 A state with the rate a + b x is (a + b x) t after any steps. Bodies in the plane, in space and of revolution, pairs, P1 and P2, both schemes, with inertia and without, loads on
-vectors and scalars, on the left and on the right, linear in the state and not, in products with the solution; by the direct and the iterative solver.
+vectors and scalars, on the left and on the right, linear in the state and not, in products with the solution, laws by each rule; by the direct and the iterative solver.
 """
 import argparse
 import json
@@ -33,6 +33,8 @@ def script(random, kind):
             f"wear*{theta}^2*{v}.y + wear*{eta}"][random.integers(5)]
     left = random.random() < 0.4 and u not in load and theta not in load  # what reads the solution stands on the right
     term = f"integral(ground, {load})"
+    rule = "" if pair else ("", "gauss", "midpoint")[random.integers(3)]  # of the laws: the state lives at their points
+    by = f", rule = {rule}" if rule else ""
     text = f"""{BODIES[kind]}tensor A = isotropic(lambda = 1, mu = 1)
 tensor B = isotropic(young = 10, poisson = 0.3)
 superpotential layer(r) = {c:.3f}*r^2
@@ -44,14 +46,14 @@ space W = scalar P{order} on body, zero on roof
 find u in V, theta in W for t in [0, 1] by 4 steps from u = 0, theta = 0 using scheme = {scheme}
 such that for all v in V, eta in W
     {"integral(body, dot(u'', v)) + " if moves else ""}integral(body, A : eps(u') : eps(v)) + integral(body, B : eps(u) : eps(v))
-  + integral(body, theta'*eta + dot(grad(theta), grad(eta))) + integral(ground, {law}){" - " + term if left else ""}
+  + integral(body, theta'*eta + dot(grad(theta), grad(eta))) + integral(ground, {law}{by}){" - " + term if left else ""}
  >= integral(body, 0.3*eta - v.y){"" if left else " + " + term}
 report
   table warm = integral(body, theta), moved = norm(u), most = norm(theta), held = reaction(roof).y
 """
     of_multiplier = text.replace(load, load.replace("wear", "(known() + 1e-300*layer.xi)"))
     plain = not pair and "cos" not in load and "^2*v.y" not in load
-    function = text.replace(term, f"integral(ground, {load.replace('wear', 'known()')}, rule = nodal)")
+    function = text.replace(term, f"integral(ground, {load.replace('wear', 'known()')}, rule = {rule or 'nodal'})")
     return text, [of_multiplier] + [function] * plain
 
 
