@@ -4,9 +4,6 @@
 //   S = K_cc - K_cI K_II^-1 K_Ic,   r = b_c - K_cI K_II^-1 b_I,   x_I = K_II^-1 (b_I - K_Ic c).
 // (The factor of the whole of K would give S = ((K^-1)_cc)^-1; where springs or laws hold a body
 // that is stiff itself, K^-1 is its rigid motion and the rest is lost in rounding.)
-//
-// The scaling: P. A. Knight, D. Ruiz, B. Ucar, A symmetry preserving algorithm for matrix scaling,
-// INRIA research report 7552, 2012.
 #include "solver/linear/general_lu.hpp"
 
 #include "solver/common/clock.hpp"
@@ -14,6 +11,7 @@
 #include "solver/linear/blas_threads.hpp"
 #include "solver/linear/cholmod_session.hpp"
 #include "solver/linear/dense.hpp"
+#include "solver/linear/scaling.hpp"
 #include "solver/linear/umfpack_objects.hpp"
 
 #include <algorithm>
@@ -22,9 +20,6 @@
 
 namespace hvi::solver {
 namespace {
-
-/// Each halves the exponent of what is too large or too small.
-constexpr int scaling_passes = 6;
 
 /// The interior of K without its zeros, by rows, with R K C in place of K: the largest entries of
 /// its rows and columns are near 1 whatever the units of the unknowns are.
@@ -40,13 +35,12 @@ struct ScaledMatrix {
   }
 
 private:
-  void scale_once();
+  void scale();
 };
 
 ScaledMatrix::ScaledMatrix(const SparseMatrix& k, const EliminationOrder& order,
                            std::span<const int> position)
-    : start{0}, row_scale(Vector::Ones(order.interior)),
-      column_scale(Vector::Ones(order.interior)) {
+    : start{0} {
   for (int row = 0; row < order.interior; ++row) {
     for (SparseMatrix::InnerIterator it(k, order.unknown[static_cast<std::size_t>(row)]); it; ++it)
       if (const int at = position[static_cast<std::size_t>(it.col())];
@@ -56,44 +50,29 @@ ScaledMatrix::ScaledMatrix(const SparseMatrix& k, const EliminationOrder& order,
       }
     start.push_back(static_cast<Long>(column.size()));
   }
-  for (int pass = 0; pass < scaling_passes; ++pass) scale_once();
+  scale();
 }
 
-void ScaledMatrix::scale_once() {
-  Vector rows = Vector::Zero(size()), columns = Vector::Zero(size());
-  for (Long i = 0; i < size(); ++i)
-    for (Long e = start[i]; e < start[i + 1]; ++e) {
-      rows[i] = std::max(rows[i], std::abs(value[e]));
-      columns[column[e]] = std::max(columns[column[e]], std::abs(value[e]));
-    }
-  const auto factor = [](double largest) { return largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0; };
-  rows = rows.unaryExpr(factor), columns = columns.unaryExpr(factor);
+void ScaledMatrix::scale() {
+  const auto for_each = [this](const auto& f) {
+    for (Long i = 0; i < size(); ++i)
+      for (Long e = start[i]; e < start[i + 1]; ++e) f(i, column[e], value[e]);
+  };
+  auto [rows, columns] = scaling_of(size(), for_each);
   for (Long i = 0; i < size(); ++i)
     for (Long e = start[i]; e < start[i + 1]; ++e) value[e] *= rows[i] * columns[column[e]];
-  row_scale = row_scale.cwiseProduct(rows);
-  column_scale = column_scale.cwiseProduct(columns);
+  row_scale = std::move(rows), column_scale = std::move(columns);
 }
 
 /// Below it the matrix of contact unknowns is rounding.
 constexpr double smallest_condition = 1e-13;
 
-/// Of a dense matrix: factors of its rows and columns that bring their largest entries near 1.
-struct DenseScaling {
-  Vector rows, columns;
-  explicit DenseScaling(const DenseMatrix& m)
-      : rows(Vector::Ones(m.rows())), columns(Vector::Ones(m.cols())) {
-    DenseMatrix scaled = m;
-    const auto factor = [](double largest) {
-      return largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0;
-    };
-    for (int pass = 0; pass < scaling_passes; ++pass) {
-      const Vector r = scaled.cwiseAbs().rowwise().maxCoeff().unaryExpr(factor),
-                   c = scaled.cwiseAbs().colwise().maxCoeff().transpose().unaryExpr(factor);
-      rows = rows.cwiseProduct(r), columns = columns.cwiseProduct(c);
-      scaled = r.asDiagonal() * scaled * c.asDiagonal();
-    }
-  }
-};
+Scaling dense_scaling(const DenseMatrix& m) {
+  return scaling_of(m.rows(), [&m](const auto& f) {
+    for (Eigen::Index j = 0; j < m.cols(); ++j)
+      for (Eigen::Index i = 0; i < m.rows(); ++i) f(i, j, m(i, j));
+  });
+}
 
 class GeneralLu final : public Factorisation {
 public:
@@ -236,7 +215,7 @@ void GeneralLu::make_schur() {
 /// With a scaling of its own: that of K leaves the stiffness of a displacement as far below 1 as a
 /// pressure in small units has large couplings, and its inverse as far above.
 void GeneralLu::check_schur() {
-  auto [rows, columns] = DenseScaling(schur_);
+  auto [rows, columns] = dense_scaling(schur_);
   schur_factor_ = DenseLu(rows.asDiagonal() * schur_ * columns.asDiagonal());
   schur_rows_ = std::move(rows), schur_columns_ = std::move(columns);
   const double condition = schur_factor_.inverse_condition();

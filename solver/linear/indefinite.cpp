@@ -11,6 +11,7 @@
 #include "solver/linear/general_lu.hpp"
 #include "solver/linear/mumps/bridge.h"
 #include "solver/linear/ordering.hpp"
+#include "solver/linear/scaling.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +30,6 @@ constexpr ModuleFile mumps_module{"libhvi_mumps.so", "HVI_MUMPS_MODULE",
 constexpr double as_symmetric = 1e-12;
 /// A test solve leaves at most this, row by row.
 constexpr double accurate = 1e-9;
-constexpr int passes_of_scaling = 6;
 
 /// The functions of the module; nothing where it is not there.
 struct MumpsBridge {
@@ -64,21 +64,17 @@ struct LowerTriangle {
   bool same_pattern(const LowerTriangle& other) const {
     return row == other.row && column == other.column;
   }
-  /// Factors s of rows and columns that bring their largest entries near 1 (D. Ruiz; see
-  /// general_lu.cpp); the values become s_i v s_j.
+  /// Factors s of rows and columns (scaling.hpp); the values become s_i v s_j.
   Vector scale(Eigen::Index n) {
-    Vector all = Vector::Ones(n);
-    for (int pass = 0; pass < passes_of_scaling; ++pass) {
-      Vector largest = Vector::Zero(n);
-      for (std::size_t e = 0; e < value.size(); ++e)
-        for (const int i : {row[e], column[e]})
-          largest[i] = std::max(largest[i], std::abs(value[e]));
-      const Vector s =
-          largest.unaryExpr([](double v) { return v > 0.0 ? 1.0 / std::sqrt(v) : 1.0; });
-      for (std::size_t e = 0; e < value.size(); ++e) value[e] *= s[row[e]] * s[column[e]];
-      all = all.cwiseProduct(s);
-    }
-    return all;
+    const auto for_each = [this](const auto& f) {
+      for (std::size_t e = 0; e < value.size(); ++e) {
+        f(row[e], column[e], value[e]);
+        if (row[e] != column[e]) f(column[e], row[e], value[e]);
+      }
+    };
+    Vector s = scaling_of(n, for_each).rows;
+    for (std::size_t e = 0; e < value.size(); ++e) value[e] *= s[row[e]] * s[column[e]];
+    return s;
   }
 };
 
