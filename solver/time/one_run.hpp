@@ -98,7 +98,8 @@ private:
   Spared spared_;                   ///< by earlier runs' work, when this one began
   std::optional<HorizonEnd> ended_; ///< set: the saved state cannot be gone on from
   int told_ = 0;
-  int saved_ = 0; ///< the step whose state is in the checkpoint; 0: there is none
+  bool concludes_ = false; ///< what is known is put together: its solves are not interrupted
+  int saved_ = 0;          ///< the step whose state is in the checkpoint; 0: there is none
   RunResult result_;
   Stepper stepper_;
   const RunState& state_; ///< of the stepper

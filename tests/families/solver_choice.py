@@ -74,6 +74,17 @@ class Scenes:
             self.say(told == (asked == "automatic") and result["plan"].get("solver", "direct") == "direct" and
                      "iterations" not in result["plan"], f"2D, {asked or 'nothing'} asked: a factor")
 
+    def foretold(self):
+        """`plan` stops a run after eight steps of many: it tells their work, by a factor and by iterations."""
+        for asked in ("direct", "iterative"):
+            path = self.write(PLANE, asked)
+            done = subprocess.run([self.program, "plan", path, "-D", "n=4", "-D", "N=40", "--json", "-"], cwd=self.folder, capture_output=True,
+                                  text=True, timeout=600)
+            answer = json.loads(done.stdout)
+            plan = answer["plan"]
+            self.say(answer["unknowns"] == 72 and plan["newton"] >= 40 and ("iterations" in plan) == (asked == "iterative"),
+                     f"plan, {asked}: {answer['unknowns']} unknowns, {plan['newton']} Newton's steps")
+
     def limited(self):
         """With less and less memory."""
         for asked in (None, "automatic"):
@@ -122,6 +133,7 @@ def main():
         os.environ.pop("HVI_PETSC_MODULE", None)
         scenes.resumed()
         scenes.small()
+        scenes.foretold()
         if b"__asan_init" not in pathlib.Path(scenes.program).read_bytes():  # the sanitizers take terabytes of addresses
             scenes.limited()
     sys.exit(scenes.wrong > 0)
