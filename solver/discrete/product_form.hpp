@@ -20,8 +20,9 @@ namespace hvi::solver {
 class ProductForm {
 public:
   /// `of_unknown`: by row, which unknown it is of. `with_laws`: by unknown, do laws act on it? Its
-  /// weight is positive then. The weights are those that cancel most of the couplings:
-  /// w_a K_ab + w_b K_ba^T, from the first unknown on.
+  /// weight is positive then; else it has the sign of the unknown's own form. In size the weights
+  /// are those that cancel most of the couplings, w_a K_ab + w_b K_ba^T, from the first unknown on;
+  /// where that needs the other sign they make both alike.
   ProductForm(const SparseMatrix& k, std::span<const std::uint8_t> of_unknown,
               std::span<const char> with_laws);
 

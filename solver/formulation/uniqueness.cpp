@@ -125,7 +125,8 @@ LawDescent descent_of_laws(const Problem& problem, const Operators& operators,
 Uniqueness::Uniqueness(const Problem& problem, const Operators& operators, const Contact& contact)
     : problem_(problem), operators_(operators), contact_(contact),
       laws_(descent_of_laws(problem, operators, contact)),
-      settled_(!laws_.softens || !laws_.obstacle.empty()) {
+      settled_(!laws_.obstacle.empty() || contact.none() ||
+               (!laws_.softens && operators.symmetric)) {
   if (settled_) return;
   condensed_ =
       !laws_.moves && operators_.symmetric &&
@@ -135,8 +136,12 @@ Uniqueness::Uniqueness(const Problem& problem, const Operators& operators, const
 
 void Uniqueness::judge(bool convex) {
   settled_ = true;
-  if (!convex)
-    laws_.obstacle = "the laws soften faster than the body is stiff (step ratio of 1 or more)";
+  if (!convex) laws_.obstacle = too_soft();
+}
+
+std::string Uniqueness::too_soft() const {
+  return laws_.softens ? "the laws soften faster than the body is stiff (step ratio of 1 or more)"
+                       : "there are laws, and the forms are not coercive";
 }
 
 namespace {
@@ -215,10 +220,8 @@ void Uniqueness::judge_all(const Factorisation* like) {
   if (problem_.time.is_static)
     judge(false);
   else if (worst.ratio > 0.0)
-    laws_.obstacle = fmt::format(
-        "in step {} (t = {:.6g}) the laws soften faster than the body is stiff (step ratio of 1 or "
-        "more)",
-        worst.step, problem_.time.grid[worst.step]);
+    laws_.obstacle = fmt::format("in step {} (t = {:.6g}) {}", worst.step,
+                                 problem_.time.grid[worst.step], too_soft());
   else
     laws_.obstacle = fmt::format("it could not be shown for all {} steps in {} trials",
                                  problem_.time.grid.size() - 1, most_judged);

@@ -27,8 +27,10 @@ class Uniqueness {
 public:
   Uniqueness(const Problem& problem, const Operators& operators, const Contact& contact);
 
-  /// No law softens or they cannot be judged: nothing is left to be asked of the matrices.
+  /// There are no laws, or none softens and the factor of a symmetric K says the rest, or they
+  /// cannot be judged: nothing is left to be asked of the matrices.
   bool settled() const { return settled_; }
+  bool softens() const { return laws_.softens; }
   /// All steps have one matrix, and the condensed problem can be asked: `judge` it.
   bool condensed() const { return condensed_; }
   void judge(bool convex);
@@ -40,6 +42,8 @@ public:
   bool holds() const { return laws_.obstacle.empty(); }
 
 private:
+  std::string too_soft() const;
+
   const Problem& problem_;
   const Operators& operators_;
   const Contact& contact_;

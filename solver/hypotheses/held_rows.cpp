@@ -7,27 +7,30 @@
 #include <algorithm>
 
 namespace hvi::solver {
-namespace {
-
-/// Below it an unknown without a form of its own has parts that the others do not see.
-constexpr double smallest_inf_sup = 1e-6;
-
-} // namespace
 
 void Judgement::judge_multipliers() {
   for (int b = 0; b < n_unknowns(d_.space); ++b) {
     if (!d_.space.is_product()) return;
     const auto found = numbers_.inf_sup(b);
     if (!found) continue;
-    const double beta = found->constant;
     const auto name = d_.space.blocks[static_cast<std::size_t>(b)].name;
     multipliers_.emplace_back(b, out_.hypotheses.size());
     facts_.multipliers = true;
-    facts_.inf_sup = facts_.inf_sup && beta > smallest_inf_sup;
+    facts_.inf_sup = facts_.inf_sup && found->sees_all();
     row("H(B)",
         fmt::format("`{}`{} is a multiplier, seen by the others: inf-sup constant", name,
                     found->without_means ? " without its mean" : ""),
-        beta, yes(beta > smallest_inf_sup), form_origin(field_of_u(0)));
+        found->constant, yes(found->sees_all()), form_origin(field_of_u(0)));
+    if (!found->at_rest) continue;
+    const bool seen = found->sees_all_at_rest();
+    if (!seen) facts_.unseen_at_rest = name;
+    row("H(B)",
+        fmt::format("`{}` seen by functions that vanish where laws jump: inf-sup constant", name),
+        *found->at_rest, yes(seen), problem_.law_terms.front().origin,
+        seen ? std::string()
+             : fmt::format("where their points rest, their forces and `{}` hold the body together, "
+                           "in any shares",
+                           name));
   }
 }
 
@@ -80,7 +83,7 @@ void Judgement::judge_balance(const FreeBody& body) {
 void Judgement::refine_inf_sup(const Numbers& finer) {
   for (const auto& [unknown, row] : multipliers_) {
     Hypothesis& h = out_.hypotheses[row];
-    const double there = finer.inf_sup(unknown).value_or(InfSup{}).constant;
+    const double there = finer.inf_sup(unknown, false).value_or(InfSup{}).constant;
     const bool keeps = there > 0.7 * *h.value;
     h.note = fmt::format("{:.6g} on the refined mesh{}", there,
                          keeps ? "" : ": it goes to 0, and this pair of elements is not stable");

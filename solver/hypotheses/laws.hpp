@@ -3,7 +3,7 @@
 
 #include "solver/common/bracket.hpp"
 #include "solver/discrete/contact.hpp"
-#include "solver/hypotheses/extremes.hpp"
+#include "solver/linear/extremes.hpp"
 #include "solver/time/run.hpp"
 
 #include <vector>

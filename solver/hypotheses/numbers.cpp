@@ -4,8 +4,6 @@
 #include "solver/common/numbers.hpp"
 #include "solver/discrete/body_states.hpp"
 #include "solver/discrete/time_scheme.hpp"
-#include "solver/hypotheses/multiplier_norm.hpp"
-#include "solver/linear/general_lu.hpp"
 #include "solver/plan/couplings.hpp"
 
 #include <algorithm>
@@ -14,25 +12,13 @@
 #include <utility>
 
 namespace hvi::solver {
-namespace {
-
-/// By unknown: has the Gram matrix its mass?
-std::vector<char> masses_of(const Discretisation& d, std::span<const RigidMotions> motions) {
-  auto out = d.dofs.needs_mass();
-  for (const RigidMotions& of : motions) out[static_cast<std::size_t>(of.unknown())] = 1;
-  return out;
-}
-
-} // namespace
-
 Numbers::Numbers(const Plan& plan, const Discretisation& d)
     : problem_(plan.problem), discretisation_(d), layout_(make_layout(d.space, d.dofs)),
       operators_(assemble_operators(problem_, d, layout_, plan.options.threads)),
       contact_(make_contact(problem_, d, layout_)), motions_(motions_of_unknowns(d)),
       free_(find_free_body(motions_, combine(operators_, Vector::Ones(operators_.n_bases())),
                            layout_)),
-      gram_(restrict_rows(gram_v(d.space, masses_of(d, motions_)), layout_)
-                .leftCols(layout_.n_unknowns)),
+      gram_(gram_on_unknowns(d, layout_)),
       shares_(present_shares(*make_scheme(problem_), count_fields(problem_))),
       laws_(law_constants(problem_, d, contact_)) {
   // By the rule of the steps, at the points of the states.
@@ -53,64 +39,9 @@ SparseMatrix Numbers::definite_part(const SparseMatrix& k) const {
   return 0.5 * (k + SparseMatrix(k.transpose()));
 }
 
-namespace {
-
-/// [G C^T; C 0]: the couplings C of one unknown, the Gram matrix G of the others.
-SparseMatrix saddle_point(const SparseMatrix& gram, const SparseMatrix& couplings,
-                          std::span<const std::uint8_t> of_unknown, int unknown) {
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto own = [&](Eigen::Index i) { return of_unknown[i] == unknown; };
-  for (int i = 0; i < gram.rows(); ++i) {
-    for (SparseMatrix::InnerIterator it(gram, i); it && !own(i); ++it)
-      if (!own(it.col())) entries.emplace_back(i, static_cast<int>(it.col()), it.value());
-    for (SparseMatrix::InnerIterator it(couplings, i); it && own(i); ++it) {
-      if (own(it.col())) continue;
-      entries.emplace_back(i, static_cast<int>(it.col()), it.value());
-      entries.emplace_back(static_cast<int>(it.col()), i, it.value());
-    }
-  }
-  SparseMatrix out(gram.rows(), gram.cols());
-  out.setFromTriplets(entries.begin(), entries.end());
-  return out;
-}
-
-} // namespace
-
-std::optional<InfSup> Numbers::inf_sup(int unknown) const {
-  SparseMatrix couplings(layout_.n_unknowns, layout_.n_unknowns);
-  for (const int field : {field_of_u(0), field_of_u(1)}) couplings += of_field(field);
-  const auto form = product_form(couplings);
-  if (!form || !form->is_multiplier(unknown)) return std::nullopt;
-  const MultiplierNorm norm(problem_, discretisation_, layout_, unknown);
-  std::vector<int> own;
-  for (int i = 0; i < layout_.n_unknowns; ++i)
-    if (contact_.of_unknown[static_cast<std::size_t>(i)] == unknown) own.push_back(i);
-  if (own.empty()) return std::nullopt;
-  const auto of_all = [&](const Vector& p) {
-    Vector out = Vector::Zero(layout_.n_unknowns);
-    out(own) = p;
-    return out;
-  };
-  InfSup out{0.0, norm.leaves_out_means()};
-  const SparseMatrix k = saddle_point(gram_.matrix(), couplings, contact_.of_unknown, unknown);
-  std::unique_ptr<Factorisation> factor;
-  try {
-    factor = general_factor(k, {});
-    factor->factor(k);
-  } catch (const NotFactorable&) {
-    return out;
-  }
-  // Of the solution for [0; p] the other part is -S^-1 p, S = C G^-1 C^T.
-  const auto s_inverse = [&](const Vector& p) -> Vector {
-    Vector x;
-    solve(*factor, of_all(p), x);
-    return -x(own);
-  };
-  const auto squared =
-      least_by_inverse(static_cast<Eigen::Index>(own.size()), s_inverse,
-                       [&](const Vector& p) -> Vector { return norm.times(of_all(p))(own); });
-  out.constant = squared ? std::sqrt(std::max(*squared, 0.0)) : not_a_number;
-  return out;
+std::optional<InfSup> Numbers::inf_sup(int unknown, bool at_rest) const {
+  return hvi::solver::inf_sup(
+      {problem_, discretisation_, layout_, operators_, contact_, gram_.matrix()}, unknown, at_rest);
 }
 
 SparseMatrix Numbers::of_field(int field) const {

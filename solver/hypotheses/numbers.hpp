@@ -4,20 +4,15 @@
 #include "solver/discrete/held_by_laws.hpp"
 #include "solver/discrete/operators.hpp"
 #include "solver/discrete/product_form.hpp"
+#include "solver/formulation/inf_sup.hpp"
 #include "solver/formulation/uniqueness.hpp"
-#include "solver/hypotheses/extremes.hpp"
 #include "solver/hypotheses/laws.hpp"
+#include "solver/linear/extremes.hpp"
 
 #include <optional>
 #include <vector>
 
 namespace hvi::solver {
-
-/// How well the others see an unknown that has no form of its own.
-struct InfSup {
-  double constant = 0.0;
-  bool without_means = false; ///< no other unknown sees its constants (multiplier_norm.hpp)
-};
 
 class Numbers {
 public:
@@ -35,10 +30,8 @@ public:
   double coercivity(int field, double pointwise) const;
   /// The same against the mass matrix: coercivity in H = L2.
   double coercivity_in_h(int field) const;
-  /// Of an unknown p without a form of its own: the least of  sup_v c(v, p) / |v|_V  over p of size
-  /// 1 (multiplier_norm.hpp), c its couplings; 0 where some p is not seen at all. Nothing for other
-  /// unknowns.
-  std::optional<InfSup> inf_sup(int unknown) const;
+  /// How well the others see an unknown without a form of its own; nothing for other unknowns.
+  std::optional<InfSup> inf_sup(int unknown, bool at_rest = true) const;
   double memory_norm(int m) const;     ///< ||E|| of memory m; NaN when not found
   double asymmetry(int field) const;   ///< max |K_ij - K_ji| / max |K_ij|
   double script_norm(int field) const; ///< ||M||^2 of the arguments of all laws on a field

@@ -74,7 +74,7 @@ private:
     const bool springs = facts_.semi_coercive && facts_.springs_hold;
     out_.discrete = (positive || springs) && facts_.proved && !facts_.coupled && !facts_.reads &&
                     !facts_.loads_read && !facts_.states && facts_.inf_sup &&
-                    failing({"H(f)"}).empty();
+                    facts_.unseen_at_rest.empty() && failing({"H(f)"}).empty();
     if (out_.discrete)
       out_.discrete_verdict = fmt::format("on this mesh {} has exactly one solution", what);
     else if (!facts_.inf_sup)
@@ -107,6 +107,12 @@ private:
           fmt::format("uniqueness is not guaranteed: m_J is sampled, not proved (with it {} would "
                       "have one solution)",
                       what);
+    else if (positive && !facts_.unseen_at_rest.empty())
+      out_.discrete_verdict = fmt::format(
+          "uniqueness is not guaranteed of `{}`, which has no form of its own: where points of a "
+          "law "
+          "with jumps rest, it and the law's forces may share what holds the body in any way",
+          facts_.unseen_at_rest);
     else if (positive)
       out_.discrete_verdict = "uniqueness is not guaranteed: the load is not finite";
     else if (std::isinf(facts_.steps_margin))

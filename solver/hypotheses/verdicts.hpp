@@ -24,6 +24,7 @@ struct VerdictFacts {
   bool springs_hold = false;  ///< and these have slopes that rise everywhere, and do not soften
   bool multipliers = false;   ///< an unknown has no form of its own
   bool inf_sup = true;        ///< and the others see all of it
+  std::string unseen_at_rest; ///< one that they do not see where laws with jumps hold them
   bool skew_rates = false;    ///< several unknowns, whose A is not symmetric
   double steps_margin = 0.0;  ///< no step has a smaller one
   double step_bound = 0.0;    ///< on the step, where A is coercive and (H0) fails

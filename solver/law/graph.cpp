@@ -76,6 +76,17 @@ int piece_of(const LawGraph& graph, double r) {
                           graph.breaks.begin());
 }
 
+bool has_jumps(const LawGraph& graph, bool radial) {
+  constexpr double rounding = 1e-12; // of pieces that meet
+  if (radial && graph.origin != 0.0) return true;
+  double largest = 0.0, jump = 0.0;
+  for (std::size_t i = 0; i < graph.left.size(); ++i) {
+    largest = std::max({largest, std::abs(graph.left[i]), std::abs(graph.right[i])});
+    jump = std::max(jump, std::abs(graph.right[i] - graph.left[i]));
+  }
+  return jump > rounding * largest;
+}
+
 Interval clarke(const Law& law, const LawGraph& graph, double r, double snap) {
   const double s = law.slope(graph, piece_of(graph, r), r);
   Interval out{s, s};

@@ -143,6 +143,8 @@ double piece_low(const LawGraph& graph, int piece, bool radial);
 double piece_high(const LawGraph& graph, int piece);
 /// The piece that holds r (the lower one at a break).
 int piece_of(const LawGraph& graph, double r);
+/// Has the graph a step or a rigid part, where one argument has many slopes?
+bool has_jumps(const LawGraph& graph, bool radial);
 /// dj(r) as an interval [low, high] (scalar laws; for radial laws at r > 0 the radial slope).
 struct Interval {
   double low, high;

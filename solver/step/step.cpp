@@ -2,9 +2,13 @@
 #include "solver/step/step.hpp"
 
 #include "solver/common/clock.hpp"
+#include "solver/formulation/at_rest.hpp"
+#include "solver/formulation/inf_sup.hpp"
 #include "solver/formulation/uniqueness.hpp"
 #include "solver/linear/vector_stream.hpp"
 #include "solver/step/snap.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
@@ -24,29 +28,57 @@ StepResult start_again(Restart why) {
   return out;
 }
 
+/// Why the solver cannot tell whether the forms are stiffer than the laws are soft; empty: it can.
+std::string nothing_proved(const Uniqueness& uniqueness, const Operators& operators,
+                           const StepMatrix& matrix) {
+  const char* const who = operators.iterative   ? "iterations do not"
+                          : matrix.in_singles() ? "a factor in single precision does not"
+                                                : nullptr;
+  if (who == nullptr) return {};
+  return uniqueness.softens()
+             ? fmt::format("a law softens, and {} prove that the body is stiffer", who)
+             : fmt::format("there are laws, and {} prove that the forms are coercive", who);
+}
+
+/// Of unknowns without a form of their own, where the others are unique. Laws on most of the body
+/// leave no condensed matrix to ask.
+std::string obstacle_of_multipliers(const Problem& problem, const Discretisation& d,
+                                    const RunState& state, const StepMatrix& matrix) {
+  const Contact& contact = state.contact();
+  const std::string names = names_of_multipliers(problem);
+  if (names.empty() || contact.none()) return {};
+  const Formulation& on = *state.formulation;
+  const bool determined =
+      contact.whole ? sees_multipliers_at_rest(problem, d, on.whole_layout(), on.operators())
+                    : determines_multipliers(problem, contact, matrix.factorisation()->schur());
+  return determined
+             ? std::string()
+             : fmt::format("where points of a law with jumps rest, its forces and {}, without "
+                           "a form of its own, may share what holds the body",
+                           names);
+}
+
 /// Why not every step is sure to have one solution, asked at the first step with its matrix.
-std::string obstacle_to_uniqueness(const Problem& problem, const RunState& state,
-                                   StepMatrix& matrix) {
-  Uniqueness uniqueness(problem, state.formulation->operators(), state.contact());
+std::string obstacle_to_uniqueness(const Problem& problem, const Discretisation& d,
+                                   const RunState& state, StepMatrix& matrix) {
+  const Formulation& on = *state.formulation;
+  Uniqueness uniqueness(problem, on.operators(), state.contact());
   if (const FreeBody* const body = matrix.free_body()) {
     if (!uniqueness.holds()) return uniqueness.obstacle();
     return uniqueness.settled() && held_strongly(*body, state.contact())
                ? std::string()
                : "laws alone hold the body";
   }
-  if (!uniqueness.settled() && state.formulation->operators().iterative)
-    return "a law softens, and iterations do not prove that the body is stiffer";
-  if (!uniqueness.settled() && matrix.in_singles())
-    return "a law softens, and a factor in single precision does not prove that the body is "
-           "stiffer";
   if (!uniqueness.settled()) {
+    if (auto why = nothing_proved(uniqueness, on.operators(), matrix); !why.empty()) return why;
     // Not in a restored run: asking would change the solver, and its later numbers.
     if (uniqueness.condensed() && state.evolution.step() == 0)
       uniqueness.judge(matrix.laws() == nullptr || matrix.laws()->convex());
     else
       uniqueness.judge_all(matrix.factorisation().get());
   }
-  return uniqueness.obstacle();
+  if (!uniqueness.holds()) return uniqueness.obstacle();
+  return obstacle_of_multipliers(problem, d, state, matrix);
 }
 
 bool is_certified(const StepResult& step, double tolerance) {
@@ -80,7 +112,7 @@ bool follows_branches(const std::string& not_unique, const Contact& contact) {
 }
 
 Stepper::Stepper(const Plan& plan, const Discretisation& d, Timing& timing)
-    : plan_(plan), timing_(timing), state_(make_state(plan, d, timing)) {}
+    : plan_(plan), discretisation_(d), timing_(timing), state_(make_state(plan, d, timing)) {}
 
 /// From the last accepted state to u_n, with its certificate; nothing is accepted.
 StepResult Stepper::attempt(int n, StepMatrix& matrix) {
@@ -110,7 +142,7 @@ StepResult Stepper::advance(int n) {
   }
   auto& matrix = state_.solver.matrix_for(n);
   if (!std::exchange(uniqueness_.judged, true))
-    uniqueness_.obstacle = obstacle_to_uniqueness(plan_.problem, state_, matrix);
+    uniqueness_.obstacle = obstacle_to_uniqueness(plan_.problem, discretisation_, state_, matrix);
   auto out = attempt(n, matrix);
   if (!out.restart && !out.certified && state_.solver.begin_anew(n)) out = attempt(n, matrix);
   if (out.restart) return out;

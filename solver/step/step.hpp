@@ -58,6 +58,7 @@ private:
   [[nodiscard]] bool accept(int n, StepMatrix& matrix, const StepResult& result);
 
   const Plan& plan_;
+  const Discretisation& discretisation_;
   Timing& timing_;
   RunState state_;
   WorkCounters counted_;

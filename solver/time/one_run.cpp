@@ -96,7 +96,8 @@ std::optional<Restart> OneRun::take_step(LapClock<>& clock) {
 /// a file of that state, or none is wanted.
 void OneRun::stop_within_step() const {
   const int last = state_.evolution.step();
-  if (!settings_.stop->load() || (settings_.checkpoint_every > 0 && last > 0 && last != saved_))
+  if (concludes_ || !settings_.stop->load() ||
+      (settings_.checkpoint_every > 0 && last > 0 && last != saved_))
     return;
   throw Failure(saved_ > 0 ? FailureKind::suspended : FailureKind::interrupted, {},
                 interrupted_before(last + 1));
@@ -114,6 +115,7 @@ void OneRun::stop_before(int step) {
 bool OneRun::at_end() const { return state_.evolution.step() == state_.evolution.grid().steps(); }
 
 RunOutcome OneRun::conclude() {
+  concludes_ = true;
   LapClock<> clock;
   if (RowChecks* const checks = state_.checks.get(); checks && !checks->settle())
     return LateCheck();
@@ -264,8 +266,11 @@ ByUnknown OneRun::nothing_of_each(const StepMatrix* matrix) const {
 }
 
 bool OneRun::branches_are_followed() const {
-  return follows_branches(stepper_.not_unique(), state_.contact()) &&
-         std::ranges::all_of(state_.contact().problem.points,
+  const Contact& contact = state_.contact();
+  const bool soften = std::ranges::any_of(contact.softening, [](double m) { return m != 0.0; });
+  return follows_branches(stepper_.not_unique(), contact) &&
+         (soften || !contact.readings.empty()) &&
+         std::ranges::all_of(contact.problem.points,
                              [](const auto& point) { return point.rows == 1; });
 }
 

@@ -8,6 +8,7 @@ other), or the pressure of an incompressible body (P2 with P1). The scalar lives
 scalar, whose steps are convex; turned and scaled, the scalar with units of its own. A step is solved again by a dense
 brute force (brute.py) on matrices assembled here.
 """
+import json
 import math
 import sys
 
@@ -93,6 +94,12 @@ class Scalar:
                 row[self.solid.nodes(f)] = shapes(self.order, b)
                 out.append((weight * size, row))
         return out
+
+
+def has_jumps(law):
+    if isinstance(law, Friction):
+        return law.static > 0
+    return isinstance(law, Unilateral) or any(a != b for a, b in map(law.limits, range(len(law.breaks))))
 
 
 class FieldTerm(orientation.Term):
@@ -335,11 +342,44 @@ class Scene:
         return self.reaches["u"]
 
     def options(self, k):
-        return []
+        return ["--json", "scene.json"]
+
+    def rows_at_rest(self):
+        """On the displacements: of the points whose laws have jumps, which hold what rests there."""
+        rows = [p.rows[:, ~self.of_p] for p in self.law_points() if has_jumps(p.law)]
+        return np.vstack(rows) if rows else np.zeros((0, int((~self.of_p).sum())))
+
+    def ratio_of_p(self):
+        """Of softening to stiffness in the scalar's own equation, where displacements do not feel the scalar: then its laws alone decide
+        how many scalars there are, and `ratio` with a weight of 0 has left them out."""
+        points = [p for p in self.law_points() if p.of_p]
+        if self.to_u != 0 or not points:
+            return 0.0
+        for p in points:
+            p.rows = p.rows[:, self.of_p]
+        own = self.k[np.ix_(self.of_p, self.of_p)]
+        return ratio(np.linalg.inv((own + own.T) / 2), points)
+
+    def determines_p(self):
+        """The least part of a pressure that displacements feel, of those that vanish where points may rest: 0 where the pressure and
+        forces of laws may share what holds the body."""
+        if self.kind != "incompressible":
+            return 1.0
+        rows = self.rows_at_rest()
+        _, sizes, basis = np.linalg.svd(rows)
+        free = basis[(sizes > 1e-9 * max(sizes, default=0.0)).sum():]
+        felt = self.k[np.ix_(self.of_p, ~self.of_p)]
+        least = np.linalg.svd(felt @ free.T)[1] if len(free) >= len(felt) else np.zeros(1)
+        return float(least.min() / np.linalg.svd(felt)[1].max())
 
     def error_besides(self, folder, scale):
-        """Of p at the vertices."""
+        """Of p at the vertices, where it is the only one; then a run may promise one solution, and else not."""
         import meshio
+
+        least = self.determines_p()
+        promised = json.loads((folder / "scene.json").read_text())["uniqueness"] == "guaranteed"
+        if least < 1e-12 or self.ratio_of_p() >= 1:
+            return math.inf if promised else 0.0
 
         size = max(self.reaches["p"], float(np.abs(self.expected_p).max()))
         worst = 0.0

@@ -176,6 +176,20 @@ TEST(KnownConstants, RoundingIsNoJump) {
   EXPECT_LT(known_constants(law, {}, 0.0).m.value(), 10.0);
 }
 
+TEST(LawGraph, HasJumpsWhereOneArgumentHasManySlopes) {
+  const Expr r = arg();
+  const auto jumps = [&](const Expr& slope, bool radial = false) {
+    return has_jumps(slope_law("a", slope, radial).graph({}, 0.0), radial);
+  };
+  EXPECT_TRUE(jumps(select(less(r, Expr(0.0)), Expr(0.0), Expr(1e-9))));
+  EXPECT_TRUE(jumps(select(less(r, Expr(0.0)), Expr(2.0), Expr(1.0))));   // down
+  EXPECT_TRUE(jumps(select(less(r, Expr(0.1)), Expr(0.0), Expr(1e300)))); // a wall
+  EXPECT_FALSE(jumps(select(less(r, Expr(0.3)), Expr(0.1) * r, Expr(0.3) * r - Expr(0.06))));
+  EXPECT_FALSE(jumps(Expr(3.0)));      // a force
+  EXPECT_TRUE(jumps(Expr(3.0), true)); // friction
+  EXPECT_FALSE(jumps(r, true));
+}
+
 /// Random sums of waves and powers, and the cases they choose: all changes of sign of a scan of
 /// 100,000 points are breaks.
 TEST(Switches, AreAllFound) {

@@ -1,5 +1,5 @@
 // Generalised eigenvalues against the dense solver and closed forms.
-#include "solver/hypotheses/extremes.hpp"
+#include "solver/linear/extremes.hpp"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>

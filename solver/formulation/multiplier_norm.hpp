@@ -18,6 +18,8 @@ public:
                  const StateLayout& layout, int unknown);
   /// M p, |p|^2 = p . M p, of all unknowns; p is 0 in those of others.
   Vector times(const Vector& p) const;
+  /// Of M, with the means.
+  Vector diagonal() const { return l2_.diagonal(); }
   bool leaves_out_means() const { return !means_.empty(); }
 
 private:

@@ -1,5 +1,5 @@
 // Lanczos' method with thick restarts; see lanczos.hpp.
-#include "solver/hypotheses/lanczos.hpp"
+#include "solver/linear/lanczos.hpp"
 
 #include "solver/linear/dense.hpp"
 

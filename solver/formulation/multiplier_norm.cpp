@@ -1,5 +1,5 @@
 // See multiplier_norm.hpp.
-#include "solver/hypotheses/multiplier_norm.hpp"
+#include "solver/formulation/multiplier_norm.hpp"
 
 #include "solver/assembly/assembly.hpp"
 #include "solver/discrete/operators.hpp"

@@ -1,5 +1,5 @@
 // Lanczos' method: closed forms, and what it costs.
-#include "solver/hypotheses/lanczos.hpp"
+#include "solver/linear/lanczos.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // Extreme generalised eigenvalues; see extremes.hpp.
-#include "solver/hypotheses/extremes.hpp"
+#include "solver/linear/extremes.hpp"
 
 #include "solver/common/failure.hpp"
-#include "solver/hypotheses/lanczos.hpp"
 #include "solver/linear/dense.hpp"
+#include "solver/linear/lanczos.hpp"
 
 #include <algorithm>
 #include <cmath>
