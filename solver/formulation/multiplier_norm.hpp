@@ -1,8 +1,8 @@
 // The size of an unknown without a form of its own.
 #pragma once
 
+#include "solver/discrete/discretisation.hpp"
 #include "solver/discrete/state.hpp"
-#include "solver/time/run.hpp"
 
 #include <vector>
 
