@@ -105,7 +105,9 @@ bool determines_multipliers(const Problem& problem, const Contact& contact, cons
   DenseMatrix left(of_u.rows() + of_u.cols(), of_u.cols());
   left << beside(held, of_u) * columns.asDiagonal(),
       DenseMatrix(rows.asDiagonal() * s(p, p) * columns.asDiagonal());
-  return symmetric_eigenvalues(left.transpose() * left)[0] > rounding;
+  DenseMatrix products = left.transpose() * left;
+  products.diagonal().array() -= rounding;
+  return DenseCholesky(products).positive();
 }
 
 std::string names_of_multipliers(const Problem& problem) {

@@ -19,8 +19,9 @@ SparseMatrix rows_at_rest(const Problem& problem, const Contact& contact, const 
 /// is the matrix of the step on the contact unknowns, p those without a form of their own, u the
 /// others and R the rows at rest. Is p = 0 the only one? `s`: dense, of contact.unknowns.
 ///
-/// By the least eigenvalue of the products of the columns of S_pp and of what R^T leaves of S_up, u
-/// in units of S_uu's diagonal, p and its equations in those of S_up's columns and S_pu's rows.
+/// Are the products of the columns of S_pp and of what R^T leaves of S_up positive definite, beyond
+/// rounding? u is in units of S_uu's diagonal, p and its equations in those of S_up's columns and
+/// S_pu's rows.
 bool determines_multipliers(const Problem& problem, const Contact& contact, const DenseMatrix& s);
 
 /// The names of unknowns without a form of their own; empty: there are none.
