@@ -169,7 +169,12 @@ bool Balance::is_rounding(const Vector& values) const {
 
 void Balance::add_past(const StepMatrix& matrix, double factor, Vector& out) const {
   Vector past(out.size()), forces;
-  for (Eigen::Index i = 0; i < past.size(); ++i) past[i] = largest_[unknown_of(i)];
+  const Contact& contact = formulation_.contact();
+  ByUnknown most = largest_;
+  if (contact.reach.size() > 0)
+    for (const int i : contact.loaded)
+      most[unknown_of(i)] = std::max(most[unknown_of(i)], contact.reach[i]);
+  for (Eigen::Index i = 0; i < past.size(); ++i) past[i] = most[unknown_of(i)];
   if (matrix.dealt() != nullptr)
     matrix.dealt()->apply_magnitude(past, forces);
   else

@@ -92,7 +92,8 @@ private:
   /// Adds |f_n| + sum_b |T_b| |what is known on base matrix b|: the right-hand side before its
   /// terms cancel.
   void add_terms(const StepEquation& equation, double factor, Vector& out);
-  /// Adds |K| |the largest values so far of the unknown of each column|.
+  /// Adds |K| |the largest values so far of the unknown of each column, or what its loads would
+  /// move where laws hold it (find_reach)|.
   void add_past(const StepMatrix& matrix, double factor, Vector& out) const;
   void find_gap_and_scale(const StepMatrix& matrix, const Vector& d, const Vector& rhs,
                           Vector& gap);

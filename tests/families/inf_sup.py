@@ -167,6 +167,29 @@ report
     return good, seen, f"{dim}D, clamped {clamped}, {len(terms)} laws: {expected:.4g}, at rest {told}, printed {[r['value'] / unit for r in rows]}, {promises}, {ran['uniqueness']}"
 
 
+def held_everywhere(law, cells):
+    """What `check` and a run promise of a flow with a law on all of its velocities: where it sticks, any pressure goes."""
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        (folder / "a.hvi").write_text(f"""
+mesh body = rectangle(1, 1, cells = [{cells}, {cells}])
+part walls = body.left + body.right
+superpotential hold(xi) with slope {law}
+space V = vector P2 on body, zero on walls
+space Q = scalar P1 on body
+find u in V, p in Q
+such that for all v in V, q in Q
+    integral(body, 2*(eps(u) : eps(v)) - p*div(v) + q*div(u)) + integral(body, hold^0(u; v))
+ >= integral(body, 0.1*v.y)
+report
+  table speed = norm(u)
+""")
+        for command, file in ("check", "a.json"), ("run", "b.json"):
+            subprocess.run([PROGRAM, command, "a.hvi", "--json", file], cwd=folder, check=True, capture_output=True)
+        ran = json.loads((folder / "b.json").read_text())
+        return json.loads((folder / "a.json").read_text())["verdict"]["discrete"]["holds"], ran["uniqueness"] == "guaranteed"
+
+
 def row_of(folder):
     """Of the script a.hvi."""
     subprocess.run([PROGRAM, "check", "a.hvi", "--json", "a.json"], cwd=folder, check=True, capture_output=True)
@@ -251,6 +274,11 @@ def main():
         good, said = closed_scene(np.random.default_rng([7, k]))
         wrong += not good
         print(f"{k}: {said}{'' if good else ': WRONG'}")
+    for law, one in ("0.3", False), ("0.3*norm(xi)", True):
+        for cells in 4, 20:  # condensed, and not
+            promised = held_everywhere(law, cells)
+            wrong += promised != (one, one)
+            print(f"a law with slope {law} everywhere, {cells} cells a side: one solution promised {promised}")
     seen = []
     for k in range(60):
         good, of_all, said = at_rest(np.random.default_rng([11, k]))
