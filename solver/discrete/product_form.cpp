@@ -10,21 +10,18 @@ namespace {
 /// Sums over the entries of K with row in a and column in b.
 struct BlockSums {
   using Table = std::array<ByUnknown, slot::most_unknowns>;
-  Table squares{}, mirrored{}; ///< K_ij^2, K_ij K_ji
+  Table squares{}, mirrored{}; ///< K_ij^2; K_ij K_ji of two unknowns
   ByUnknown diagonal{};
 };
 
 BlockSums sums_of(const SparseMatrix& k, std::span<const std::uint8_t> of_unknown) {
   BlockSums out;
-  const SparseMatrix transposed = k.transpose();
-  const SparseMatrix products = k.cwiseProduct(transposed);
-  const auto add = [&](const SparseMatrix& m, BlockSums::Table& to, auto value) {
-    for (int i = 0; i < m.rows(); ++i)
-      for (SparseMatrix::InnerIterator it(m, i); it; ++it)
-        to[of_unknown[i]][of_unknown[it.col()]] += value(it.value());
-  };
-  add(k, out.squares, [](double v) { return v * v; });
-  add(products, out.mirrored, [](double v) { return v; });
+  for (int i = 0; i < k.rows(); ++i)
+    for (SparseMatrix::InnerIterator it(k, i); it; ++it) {
+      const std::size_t a = of_unknown[i], b = of_unknown[it.col()];
+      out.squares[a][b] += it.value() * it.value();
+      if (a != b) out.mirrored[a][b] += it.value() * k.coeff(it.col(), i);
+    }
   for (int i = 0; i < k.rows(); ++i) out.diagonal[of_unknown[i]] += k.coeff(i, i);
   return out;
 }

@@ -7,6 +7,7 @@
 #include "solver/discrete/time_scheme.hpp"
 #include "solver/formulation/step_weights.hpp"
 #include "solver/law/known_constants.hpp"
+#include "solver/linear/dense.hpp"
 #include "solver/plan/couplings.hpp"
 
 #include <fmt/format.h>
@@ -27,7 +28,11 @@ constexpr int most_judged = 64; ///< of all unknowns; as a rule two to four suff
 
 } // namespace
 
-SparseMatrix law_form(const Contact& contact, const std::vector<double>& weight, int n_unknowns) {
+namespace {
+
+/// The same with these columns of the rows of all points.
+SparseMatrix law_form(const Contact& contact, const std::vector<double>& weight,
+                      const SparseMatrix& g) {
   Vector diagonal = Vector::Zero(contact.n_rows());
   for (const auto& term : contact.terms)
     for (int p = 0; p < term.n_points(); ++p) {
@@ -35,9 +40,14 @@ SparseMatrix law_form(const Contact& contact, const std::vector<double>& weight,
       diagonal.segment(point.first_row, point.rows)
           .setConstant(weight[term.points.law_term] * point.weight);
     }
-  const SparseMatrix g = contact.g.leftCols(n_unknowns);
   const SparseMatrix weighted = diagonal.asDiagonal() * g;
   return SparseMatrix(SparseMatrix(g.transpose()) * weighted);
+}
+
+} // namespace
+
+SparseMatrix law_form(const Contact& contact, const std::vector<double>& weight, int n_unknowns) {
+  return law_form(contact, weight, SparseMatrix(contact.g.leftCols(n_unknowns)));
 }
 
 std::vector<double> in_step(const Contact& contact, std::vector<double> weight,
@@ -128,15 +138,32 @@ Uniqueness::Uniqueness(const Problem& problem, const Operators& operators, const
       settled_(!laws_.obstacle.empty() || contact.none() ||
                (!laws_.softens && operators.symmetric)) {
   if (settled_) return;
-  condensed_ =
-      !laws_.moves && operators_.symmetric &&
-      (contact_.whole || static_cast<int>(contact_.unknowns.size()) <= most_judged_points) &&
-      surely_one_matrix(problem_);
+  const bool small = static_cast<int>(contact_.unknowns.size()) <= most_judged_points;
+  const bool one_matrix = surely_one_matrix(problem_);
+  condensed_ = !laws_.moves && operators_.symmetric && (contact_.whole || small) && one_matrix;
+  const auto multipliers = multipliers_of(problem_);
+  unsymmetric_ = !operators_.symmetric && !contact_.whole && small && one_matrix &&
+                 std::ranges::count(multipliers, 0) == std::ssize(multipliers);
 }
 
 void Uniqueness::judge(bool convex) {
   settled_ = true;
   if (!convex) laws_.obstacle = too_soft();
+}
+
+/// Two solutions differ by e with  S e_c = -G_c^T W dxi  on the contact unknowns c, and interior
+/// rows of K e are 0. So sym(w (S - D_c)) decides, w the weights of the equations, D the descent of
+/// the laws; it is positive definite wherever sym(w (K - D)) is.
+void Uniqueness::judge_condensed(const SparseMatrix& k, const DenseMatrix& s) {
+  const std::vector<double> in_increments =
+      in_step(contact_, laws_.weight, step_weights(problem_).c.front());
+  DenseMatrix rest = s - DenseMatrix(law_form(contact_, in_increments, contact_.problem.g));
+  if (!contact_.of_unknown.empty()) {
+    const ProductForm form(k, contact_.of_unknown, unknowns_with_laws(problem_));
+    for (Eigen::Index i = 0; i < rest.rows(); ++i)
+      rest.row(i) *= form.weight(contact_.problem.of_unknown[static_cast<std::size_t>(i)]);
+  }
+  judge(DenseCholesky(0.5 * (rest + rest.transpose())).positive());
 }
 
 std::string Uniqueness::too_soft() const {

@@ -34,6 +34,9 @@ public:
   /// All steps have one matrix, and the condensed problem can be asked: `judge` it.
   bool condensed() const { return condensed_; }
   void judge(bool convex);
+  /// The same of forms that are not symmetric: `judge_condensed` S, dense, of a step's K.
+  bool condensed_without_symmetry() const { return unsymmetric_; }
+  void judge_condensed(const SparseMatrix& k, const DenseMatrix& s);
   /// Judges the matrices of all steps on all unknowns. `like`: a factor of one of them, whose
   /// analysis is taken over; or null.
   void judge_all(const Factorisation* like);
@@ -48,7 +51,7 @@ private:
   const Operators& operators_;
   const Contact& contact_;
   LawDescent laws_; ///< its obstacle is that of the run
-  bool settled_ = false, condensed_ = false;
+  bool settled_ = false, condensed_ = false, unsymmetric_ = false;
 };
 
 /// sum_i weight_i M_i^T W M_i on the unknowns, weight_i per law term.

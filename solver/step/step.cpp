@@ -74,6 +74,8 @@ std::string obstacle_to_uniqueness(const Problem& problem, const Discretisation&
     // Not in a restored run: asking would change the solver, and its later numbers.
     if (uniqueness.condensed() && state.evolution.step() == 0)
       uniqueness.judge(matrix.laws() == nullptr || matrix.laws()->convex());
+    else if (uniqueness.condensed_without_symmetry())
+      uniqueness.judge_condensed(matrix.k(), matrix.factorisation()->schur());
     else
       uniqueness.judge_all(matrix.factorisation().get());
   }
