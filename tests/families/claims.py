@@ -2,9 +2,9 @@
 
 usage: claims.py HVI_RUN [--scenes N] [--seed S]
 
-One to three scalars on an interval or a square, each with diffusion and a mass, that act on each other or are carried along by a
-flow, of any size and sign; a rigid wall or a bounded force that jumps acts on some of them at nodes of one end. The matrices are
-assembled here. With walls at the points c a step has one solution for every load if and only if K_II has an inverse and each principal
+One to three scalars on a block, each with diffusion and a mass, that act on each other or are carried along by a flow, of any size and
+sign, at one time or in steps of different lengths; a rigid wall or a bounded force that jumps acts on some of them at nodes of one side.
+The matrices are assembled here. With walls at the points c a step has one solution for every load if and only if K_II has an inverse and each principal
 minor of S = K_cc - K_cI K_II^-1 K_Ic is positive (as M. Kojima and R. Saigal, On the number of solutions to a class of linear
 complementarity problems, 1979, tell). Wrong: `check` says "exactly one solution" or a run "guaranteed" where one is not, or both do not say
 so where sym K is positive definite and two unknowns at most act on each other (of three the weights of their equations are not the best
@@ -40,6 +40,9 @@ class Scene:
             self.couplings = self.couplings - self.couplings.T
         self.flow = random.normal(size=2) * 10 ** random.uniform(-1, 3) if self.count == 1 else np.zeros(2)
         self.laws = [str(random.choice(["unilateral(r)", "with slope | r < 0 -> -1 | otherwise -> 1"])) for _ in range(self.count)]
+        self.rates, self.steps = np.zeros(self.count), np.ones(1)
+        if random.random() < 0.4:
+            self.rates, self.steps = 10 ** random.uniform(-2, 0, self.count), np.round(10 ** random.uniform(-1, 0, int(random.integers(2, 5))), 3)
         self.with_law = [b for b in range(self.count) if random.random() < 0.8] or [0]
 
     def carried(self):
@@ -50,16 +53,19 @@ class Scene:
                 out[np.ix_(cell, cell)] += weight * volume * np.outer(shapes(1, b), (slopes(1, b) @ barycentric) @ self.flow)
         return out
 
-    def matrix(self):
+    def matrix(self, step):
+        """Of a step of this length."""
         mass, stiffness = self.scalar.mass_and_stiffness()
         blocks = [[self.couplings[a, b] * mass for b in range(self.count)] for a in range(self.count)]
         for a in range(self.count):
-            blocks[a][a] = self.diffusion[a] * stiffness + self.capacity[a] * mass + self.carried()
+            blocks[a][a] = self.diffusion[a] * stiffness + (self.capacity[a] + self.rates[a] / step) * mass + self.carried()
         return np.block(blocks)
 
     def is_unique(self):
-        """And whether sym K is positive definite."""
-        k = self.matrix()
+        """And whether sym K is positive definite, at every step."""
+        return tuple(map(all, zip(*(self.has_one_solution(self.matrix(step)) for step in self.steps))))
+
+    def has_one_solution(self, k):
         at = self.scalar.solid.on("bottom")
         points = np.concatenate([b * self.scalar.n + np.array(at) for b in self.with_law])
         inner = np.setdiff1d(np.arange(len(k)), points)
@@ -72,6 +78,8 @@ class Scene:
         for a, v in enumerate(TESTS[:self.count]):
             u = NAMES[a]
             forms.append(f"integral(body, {number(self.diffusion[a])}*dot(grad({u}), grad({v})) + {number(self.capacity[a])}*{u}*{v})")
+            if self.rates.any():
+                forms.append(f"integral(body, {number(self.rates[a])}*{u}'*{v})")
             if self.flow.any():
                 forms.append(f"integral(body, dot([{number(self.flow[0])}, {number(self.flow[1])}], grad({u}))*{v})")
             for b in range(self.count):
@@ -82,9 +90,13 @@ class Scene:
                 forms.append(f"integral(bottom, law{a}^0({u}; {v}), rule = nodal)")
         spaces = [f"space V{a} = scalar P1 on body" for a in range(self.count)]
         found = ", ".join(f"{NAMES[a]} in V{a}" for a in range(self.count))
+        times = ""
+        if self.rates.any():
+            ends = np.concatenate([[0.0], np.round(np.cumsum(self.steps), 3)])
+            times = f" for t in [0, {ends[-1]}] at [{', '.join(map(repr, map(float, ends)))}] from " + ", ".join(f"{u} = 0" for u in NAMES[:self.count])
         tests = ", ".join(f"{v} in V{a}" for a, v in enumerate(TESTS[:self.count]))
         return "\n".join(["import contact", 'mesh body = gmsh("body.msh")', 'part bottom = body.group("bottom")', *laws, *spaces,
-                          f"find {found}", f"such that for all {tests}", "    " + "\n  + ".join(forms), " >= integral(body, 1e-3*v)",
+                          f"find {found}{times}", f"such that for all {tests}", "    " + "\n  + ".join(forms), " >= integral(body, 1e-3*v)",
                           "report", "  table size = norm(u)"]) + "\n"
 
 
