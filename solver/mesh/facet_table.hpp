@@ -15,6 +15,10 @@ namespace hvi::solver {
 std::array<std::int32_t, 3> local_facet(int dim, const std::array<std::int32_t, 4>& cell,
                                         int local);
 
+/// The order of nodes that a facet has from its other side. That of a point is one whatever its
+/// side.
+void turn(int dim, std::array<std::int32_t, 3>& nodes);
+
 /// A facet's nodes sorted, and whether sorting them was an odd permutation.
 struct FacetKey {
   std::array<std::int32_t, 3> nodes{-1, -1, -1};

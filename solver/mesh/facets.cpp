@@ -58,6 +58,10 @@ std::array<std::int32_t, 3> local_facet(int dim, const std::array<std::int32_t, 
   return {cell[tetrahedron[local][0]], cell[tetrahedron[local][1]], cell[tetrahedron[local][2]]};
 }
 
+void turn(int dim, std::array<std::int32_t, 3>& nodes) {
+  if (dim > 1) std::swap(nodes[0], nodes[1]);
+}
+
 FacetKey facet_key(int dim, std::array<std::int32_t, 3> n) {
   bool odd = false;
   const auto order = [&](int i, int j) {

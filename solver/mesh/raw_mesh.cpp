@@ -303,7 +303,7 @@ private:
       std::array<std::int32_t, 3> nodes{-1, -1, -1};
       for (int k = 0; k < mesh_.dim; ++k)
         if ((nodes[k] = new_index_[index_(e.nodes[k], e)]) < 0) throw no_cell(e);
-      if (raw_.entities[e.entity].reversed) std::swap(nodes[0], nodes[1]);
+      if (raw_.entities[e.entity].reversed) turn(mesh_.dim, nodes);
       named.push_back(nodes);
       elements.push_back(&e);
     }

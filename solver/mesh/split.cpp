@@ -2,6 +2,7 @@
 #include "solver/mesh/split.hpp"
 
 #include "solver/common/failure.hpp"
+#include "solver/mesh/facet_table.hpp"
 
 #include <fmt/format.h>
 
@@ -108,7 +109,7 @@ private:
       Facet& facet = mesh_.facets[static_cast<std::size_t>(f)];
       if (stays(facet)) continue;
       Facet other = facet;
-      std::swap(other.nodes[0], other.nodes[1]);
+      turn(mesh_.dim, other.nodes);
       other.cell = std::exchange(facet.other, -1);
       other.other = -1;
       first.entities.push_back(f);

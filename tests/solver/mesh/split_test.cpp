@@ -68,6 +68,31 @@ TEST(Split, OpensWhereItEndsOnTheBoundary) {
   }
 }
 
+/// Of an interval the facets are points: each half has an end there, with its own normal.
+TEST(Split, CutsAnIntervalAtAPoint) {
+  Mesh mesh = structured_mesh(1, {uniform_coordinates(0, 2, 4)});
+  mesh.groups.clear();
+  mesh.groups["cut"] = {Group::Kind::facets, build_facets(mesh, {{2, -1, -1}})};
+  split(mesh, std::vector<std::string>{"cut"});
+  EXPECT_EQ(mesh.nodes.size(), 6);
+  EXPECT_EQ(mesh_quality(mesh).pieces, 2);
+  double normals = 0.0;
+  for (const char* side : {"cut.first", "cut.second"}) {
+    ASSERT_EQ(mesh.groups.at(side).entities.size(), 1U);
+    const Facet& facet =
+        mesh.facets[static_cast<std::size_t>(mesh.groups.at(side).entities.front())];
+    EXPECT_EQ(facet.other, -1);
+    const auto& cell = mesh.cells[static_cast<std::size_t>(facet.cell)];
+    const bool left = mesh.nodes[static_cast<std::size_t>(cell[0])][0] < 1.0;
+    EXPECT_EQ(mesh.nodes[static_cast<std::size_t>(facet.nodes[0])], (Point{1, 0, 0}));
+    EXPECT_EQ(facet.nodes[0], cell[left ? 1 : 0]);
+    const double normal = facet_normal(mesh, mesh.groups.at(side).entities.front())[0];
+    EXPECT_EQ(normal, left ? 1.0 : -1.0);
+    normals += normal;
+  }
+  EXPECT_EQ(normals, 0.0);
+}
+
 TEST(Split, RefusesWhatIsNoInnerGroup) {
   Mesh mesh = cracked(2, 1.0);
   EXPECT_THROW(split(mesh, std::vector<std::string>{"gap"}), Failure);

@@ -203,6 +203,18 @@ TEST(ReadMsh, TheSignOfAGroupTurnsFacetsInside) {
   }
 }
 
+/// On an interval it turns nothing: a point has no order of nodes.
+TEST(ReadMsh, TheSignOfAPointOfAnIntervalSaysNothing) {
+  const std::string text =
+      "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n0 1 \"wall\"\n"
+      "$EndPhysicalNames\n$Entities\n1 1 0 0\n1 0 0 0 1 -1\n1 0 0 0 0 0 0 1 2 0\n$EndEntities\n"
+      "$Nodes\n1 3 1 3\n1 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n3 0 0\n$EndNodes\n"
+      "$Elements\n2 3 1 3\n0 1 15 1\n1 1\n1 1 1 2\n2 1 2\n3 2 3\n$EndElements\n";
+  const Mesh mesh = parse_msh(text, "x.msh");
+  check_mesh(mesh);
+  EXPECT_EQ(facet_normal(mesh, mesh.groups.at("wall").entities.at(0))[0], -1);
+}
+
 /// A facet has one normal, whichever way its groups have it round.
 TEST(ReadMsh, TellsOfFacetsThatTwoGroupsTurn) {
   for (const bool minus : {false, true}) {
