@@ -187,6 +187,46 @@ TEST(NearestPoint, OfARoundCone) {
   }
 }
 
+/// A block under glue that hangs on it, with friction whose bound is the multiplier of the glue by
+/// a factor, where it presses (`pressing`) or wherever it acts.
+Plan hanging(bool pressing, double sign) {
+  const Expr r = var(slot::argument(0)), bound = sign * var(slot::coupled);
+  Plan plan = slab(2, 1);
+  plan.problem.time = {};
+  plan.problem.histories.clear();
+  plan.problem.forms = {elastic(2, body, field_of_u(0), from_young(70, 0.3))};
+  plan.problem.space.dirichlet.clear();
+  LawSpec glue, slip;
+  glue.name = "layer", glue.by_slope = true;
+  glue.expression = sign > 0.0 ? select(less(r, 0.0), max(100.0 * r, -50.0), 0.0)
+                               : select(less(r, 0.0), 0.0, min(100.0 * r, 50.0));
+  slip.name = "slip", slip.radial = slip.by_slope = true, slip.coupled = "layer";
+  slip.expression = 0.5 * (pressing ? max(bound, 0.0) : abs(bound));
+  plan.problem.laws = {glue, slip};
+  plan.problem.law_terms = {normal_term(0, ground, 2, sign), tangential_term(1, ground, 2)};
+  plan.problem.loads = {force(body, {0.2, 1.0})};
+  plan.report.probes = {integral("up", var(slot::multiplier(0, 0)), ground),
+                        integral("along", var(slot::multiplier(1, 0)), ground)};
+  plan.report.tables = {{{}, {0, 1}, 1, false, ""}};
+  return plan;
+}
+
+/// Friction under pull has the bound that its law has there, whichever sign of the multiplier
+/// pulls: none where the law asks for pressure.
+TEST(HeldByLaws, FrictionUnderPullHasItsOwnBound) {
+  for (const double sign : {1.0, -1.0}) {
+    const RunResult held = solve(hanging(false, sign));
+    EXPECT_NEAR(held.final.at("up"), -sign * 2.0, 1e-9);
+    EXPECT_NEAR(held.final.at("along"), 0.4, 1e-9);
+    try {
+      solve(hanging(true, sign));
+      FAIL() << "nothing holds it";
+    } catch (const Failure& failure) {
+      EXPECT_THAT(failure.what(), HasSubstr("cannot balance its load: the body moves along"));
+    }
+  }
+}
+
 LawGraph graph_of(const Law& law) { return law.graph({}, 0.0); }
 
 TEST(SlopeBounds, OfLawsThatGrowFallAndStop) {

@@ -182,6 +182,61 @@ TEST(Horizon, IsExtendedOrRefused) {
   }
 }
 
+/// Blocks that were made for the planned time meet a bump of the kernel beyond it, which is small
+/// beside the kernel and large beside the tolerance.
+TEST(Horizon, OfATreeEndsWhereItsBlocksAreTooCoarse) {
+  const auto times = grid(Grid::uniform, 500, 2.0);
+  const Expr lag = Expr::variable(slot::lag);
+  const Expr late = (lag - 3.0) / 0.1;
+  const KernelSpec spec{"late", {}, 1.0 / (1.0 + lag) + 1e-4 * exp(-late * late)};
+  const auto history = make_history(spec, field_size, options_for(times, HistoryRoute::tree, 0));
+  const auto direct = make_history(spec, field_size, options_for(times, HistoryRoute::direct, 0));
+  history->start(0, sample_field(0));
+  direct->start(0, sample_field(0));
+  std::vector<double> a(field_size), b(field_size);
+  for (int n = 1; n <= 1500 && history->ended() == nullptr; ++n) {
+    const double t = 2.0 * n / 500;
+    history->rhs(t, a);
+    direct->rhs(t, b);
+    for (std::size_t i = 0; i < field_size; ++i) ASSERT_NEAR(a[i], b[i], 1e-7) << "t = " << t;
+    history->commit(t, sample_field(t));
+    direct->commit(t, sample_field(t));
+  }
+  EXPECT_NE(history->ended(), nullptr);
+}
+
+/// A field with one value for each step, which is 1 there and 0 elsewhere, gets the weights of the
+/// steps: how far they are from the exact ones in all bounds the error of any field.
+TEST(Storage, TheErrorOfATreeBoundsThatOfAnyField) {
+  constexpr std::size_t steps = 600;
+  const auto times = grid(Grid::uniform, steps, 6.0);
+  for (const char* name : {"power_50", "aging", "logarithm", "oscillating"}) {
+    auto options = options_for(times, HistoryRoute::tree, 0);
+    options.tolerance = 1e-4;
+    const KernelSpec spec{name, {}, kernel_case(name).expression};
+    const auto tree = make_history(spec, steps, options);
+    const auto direct = make_history(spec, steps, options_for(times, HistoryRoute::direct, 0));
+    std::vector<double> u(steps, 0.0), a(steps), b(steps);
+    tree->start(0, u);
+    direct->start(0, u);
+    double worst = 0.0;
+    const double l1 = memory_norm(spec.expression, kernel_traits(spec, 6.0), 0, 6.0);
+    for (std::size_t n = 1; n <= steps; ++n) {
+      tree->rhs(times[n], a);
+      direct->rhs(times[n], b);
+      double off = 0.0;
+      for (std::size_t i = 0; i < steps; ++i) off += std::abs(a[i] - b[i]);
+      worst = std::max(worst, off / l1);
+      std::fill(u.begin(), u.end(), 0.0);
+      u[n - 1] = 1.0;
+      tree->commit(times[n], u);
+      direct->commit(times[n], u);
+    }
+    EXPECT_LE(worst, tree->report().error) << name;
+    EXPECT_GT(worst, 1e-3 * options.tolerance) << name;
+  }
+}
+
 /// An unknown horizon leaves the tree, which grows with the run.
 TEST(Horizon, MayBeUnknown) {
   const KernelCase& kernel = kernel_case("power_50");

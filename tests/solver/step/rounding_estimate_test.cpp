@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace hvi::solver {
 namespace {
@@ -50,6 +51,24 @@ TEST(RoundingEstimate, LawsOnRatesAddUpStepByStep) {
   inertia.entries = {{slot::value(0), slot::value(0), 3.0}, {slot::value(1), slot::value(1), 3.0}};
   plan.problem.forms.push_back(inertia);
   EXPECT_EQ(solve(plan).forward_error.amplification, steps * steps);
+}
+
+/// What a step leaves of its equation is no random force: its answer is the state's error itself,
+/// and the columns have three times that, which is the margin of all estimates.
+TEST(RoundingEstimate, WhatAStepLeavesIsAnswered) {
+  Plan plan = viscous(1);
+  plan.problem.time = {};
+  plan.problem.histories.clear();
+  plan.problem.forms = {elastic(2, body, field_of_u(0), from_young(70, 0.3))};
+  plan.problem.loads = {force(body, {0.0, -10.0})};
+  plan.report.probes.pop_back();
+  plan.report.tables.front().probes = {0};
+  const double exact = solve(plan).final.at("u");
+  plan.options.solver = LinearSolver::iterative; // ends at the tolerance, and not at rounding
+  const RunResult rough = solve(plan);
+  const double off = std::abs(rough.final.at("u") - exact);
+  EXPECT_GT(off, 1e-13 * std::abs(exact));
+  EXPECT_NEAR(column(rough, "u").absolute / off, 3.0, 0.1);
 }
 
 } // namespace

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 namespace hvi::solver {
 namespace {
@@ -405,6 +406,33 @@ TEST(Search, ChoicesFarBeyondTheLaddersComeToAnEnd) {
   request.as_written = true;
   const auto result = reached(rod(exp(2.0 * x()), 0), request);
   EXPECT_GT(result.tries.back().setting.level, 2048);
+}
+
+/// A setting is taken where its estimate times the safety is within what is wanted, and another one
+/// is chosen where it is not, though the estimate alone would do: both happen on rods with bumps,
+/// kinks and waves, drawn at random.
+TEST(Search, ASettingIsTakenWithItsMargin) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> draw(0.0, 1.0);
+  int by_the_estimate_alone = 0;
+  for (int k = 0; k < 40; ++k) {
+    const double at = draw(random), width = 0.02 + 0.3 * draw(random), high = 10.0 * draw(random);
+    const double waves = 1.0 + 20.0 * draw(random),
+                 wanted = std::pow(10.0, -1.0 - 2.0 * draw(random));
+    const bool is_static = k % 2 == 0, of_tip = k % 4 < 2;
+    const Expr bump = (x() - at) / width, wave = sin(waves * (is_static ? x() : t()));
+    const Expr kink = k % 3 == 0   ? abs(x() - at)
+                      : k % 3 == 1 ? select(less(x(), at), 1.0, -1.0)
+                                   : Expr(0.0);
+    const Expr load = exp(-bump * bump) * (1.0 + high * wave) + kink;
+    const auto result = reached(rod(load, is_static ? 0 : 4), asking(wanted, of_tip ? "tip" : ""));
+    for (const AccuracyTry& one : result.tries) {
+      const bool taken = &one == &result.tries.back();
+      EXPECT_EQ(accuracy_safety * one.estimate <= wanted, taken) << one.text;
+      by_the_estimate_alone += !taken && one.estimate <= wanted ? 1 : 0;
+    }
+  }
+  EXPECT_GT(by_the_estimate_alone, 0);
 }
 
 } // namespace

@@ -72,6 +72,43 @@ TEST(SteppedRun, GoesOnAsAnotherPlan) {
   EXPECT_GT((states[6] - others[6]).norm(), 0.1 * others[6].norm());
 }
 
+Plan with_loads_times(Plan plan, const Expr& factor) {
+  for (LoadTerm& load : plan.problem.loads)
+    for (auto& entry : load.entries) entry.value = factor * entry.value;
+  return plan;
+}
+
+/// A change that fails leaves the one that it would have replaced: where the audit of a memory
+/// finds a spike that its route has missed, and the run begins anew, its steps are those of a run
+/// that was never asked for more.
+TEST(SteppedRun, KeepsTheChangeThatARefusedOneWouldReplace) {
+  constexpr int changed = 100, found = 330; // the spike is seen from step 301 on
+  Plan plan = slab(1, 1000);
+  const Expr lag = var(slot::lag), spike = (lag - 0.30025) / 1e-6;
+  plan.problem.histories[0].kernel.expression = exp(-lag) + 1e3 * exp(-spike * spike);
+  const auto harder = with_loads_times(plan, 3.0);
+  const auto impossible = with_loads_times(plan, log(var(slot::x(0)) - 5.0));
+  const auto states = [&](bool asks_for_more) {
+    Discretisation d;
+    EXPECT_TRUE(discretise(plan, d).empty());
+    SteppedRun stepped(plan, d);
+    std::vector<Vector> out;
+    while (stepped.step() < found && stepped.advance()) {
+      out.push_back(stepped.u());
+      if (stepped.step() != changed) continue;
+      stepped.change(harder);
+      if (asks_for_more) {
+        EXPECT_THROW(stepped.change(impossible), Failure);
+      }
+    }
+    EXPECT_EQ(stepped.conclude().histories[0].route, "direct");
+    return out;
+  };
+  const auto expected = states(false), asked = states(true);
+  ASSERT_EQ(expected.size(), found);
+  EXPECT_TRUE(asked == expected);
+}
+
 TEST(SteppedRun, RefusesAPlanThatIsNoLaterOne) {
   const Plan plan = slab(2, 4);
   Discretisation d;
