@@ -137,13 +137,10 @@ private:
   void for_each_report_expression(F f) {
     for (solver::Probe& probe : plan_.report.probes) f(probe.expression);
     for (solver::FieldsSpec& fields : plan_.report.fields)
-      for (solver::FieldSpec& field : fields.fields)
-        for (Symbol& c : field.components) f(c);
-    for (solver::PictureSpec& picture : plan_.report.pictures)
-      for (Symbol& c : picture.field.components) f(c);
+      for (solver::FieldSpec& field : fields.fields) for_each_entry(field, f);
+    for (solver::PictureSpec& picture : plan_.report.pictures) for_each_entry(picture.field, f);
     for (solver::LineSpec& line : plan_.report.lines)
-      for (solver::FieldSpec& field : line.fields)
-        for (Symbol& c : field.components) f(c);
+      for (solver::FieldSpec& field : line.fields) for_each_entry(field, f);
   }
 
   void lower_term(const ModelTerm& term) {

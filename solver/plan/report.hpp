@@ -47,6 +47,13 @@ struct FieldSpec {
   /// Of a 2 x 2 matrix in plane strain: zz, xz, yz, which files have; empty: not known.
   std::vector<Expr> across{};
 };
+/// visit(entry) for all entries of a field, those that only its files have, too.
+template <class Visit>
+void for_each_entry(FieldSpec& field, const Visit& visit) {
+  for (Expr& entry : field.components) visit(entry);
+  for (Expr& entry : field.across) visit(entry);
+}
+
 struct FieldsSpec {
   Origin origin;
   std::vector<FieldSpec> fields;

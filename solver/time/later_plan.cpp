@@ -64,12 +64,11 @@ Plan arguments_of(const Plan& plan) {
 Plan tables_of(const Plan& plan) {
   Plan out;
   out.report = plan.report;
-  for (Probe& probe : out.report.probes) probe.expression = 0.0;
-  for (PictureSpec& picture : out.report.pictures)
-    for (Expr& component : picture.field.components) component = 0.0;
+  const auto forget = [](Expr& entry) { entry = 0.0; };
+  for (Probe& probe : out.report.probes) forget(probe.expression);
+  for (PictureSpec& picture : out.report.pictures) for_each_entry(picture.field, forget);
   for (LineSpec& line : out.report.lines)
-    for (FieldSpec& field : line.fields)
-      for (Expr& component : field.components) component = 0.0;
+    for (FieldSpec& field : line.fields) for_each_entry(field, forget);
   out.report.graphs.clear();
   return out;
 }

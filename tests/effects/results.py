@@ -482,6 +482,72 @@ report
 """
 
 
+def check_lines_of_memories(folder):
+    """A memory whose term is zero is left out and the others get its number, in lines and fields, too: their stresses are those of a
+    table, whose columns have all of their own."""
+    run(folder, """mesh plate = rectangle(1, 1, cells = [3, 3])
+part wall = plate.left
+tensor B = isotropic(young = 70, poisson = 0.3)
+kernel none(lag) = exp(-lag)*B
+kernel fading(lag) = -exp(-2*lag)*B
+space V = vector P1 on plate, zero on wall
+find u in V for t in [0, 1] by 4 steps from u = 0
+such that for all v in V
+    integral(plate, B : eps(u) : eps(v))
+  + 0*integral(plate, history(none, eps(u)) : eps(v)) + integral(plate, history(fading, eps(u)) : eps(v))
+  = integral(plate, dot([1, -2*t], v))
+report
+  table a = sigma.xy at [0.2, 0.3], b = sigma.xy at [0.8, 0.5], c = sigma.xx + sigma.yy at [0.2, 0.3]
+  line sigma.xy from [0.2, 0.3] to [0.8, 0.5] by 2 points to "along.csv"
+  fields sigma every 4 steps to "end"
+""")
+    end, line = rows(folder)[-1], rows(folder, "along")
+    close(line[0]["sigma.xy"], end["a"], 1e-13)
+    close(line[1]["sigma.xy"], end["b"], 1e-13)
+    mesh = meshio.read(sorted((folder / "out").glob("end*.vtu"))[-1])
+    values = mesh.cell_data["sigma"][0].reshape(-1, 3, 3)[:, 0, 1]
+    for column in ("a", "b"):
+        assert np.min(np.abs(values - end[column])) <= 1e-12 * np.abs(values).max(), (column, end, values)
+    here = mesh.cell_data["sigma"][0].reshape(-1, 3, 3)[int(np.argmin(np.abs(values - end["a"])))]
+    close(here[2, 2], 0.3 * end["c"], 1e-12)  # without viscosity: Poisson's ratio times the stresses in the plane
+
+
+def check_files_of_matrices(folder):
+    """Entry ij of a matrix stands in row i of the arrays in VTU files: d u_i/d x_j of a field that is known."""
+    run(folder, """mesh plate = rectangle(1, 1, cells = [2, 2])
+part edge = plate.boundary
+space V = vector P1 on plate, zero on edge
+find u in V with u = [2*x + 3*y, 5*x + 7*y] on edge
+such that for all v in V
+  integral(plate, grad(u) : grad(v)) = 0
+report
+  fields grad(u), u to "matrix"
+""")
+    mesh = meshio.read(next((folder / "out").glob("matrix*.vtu")))
+    slopes = mesh.cell_data["grad_u"][0].reshape(-1, 3, 3)
+    assert np.abs(slopes - [[2, 3, 0], [5, 7, 0], [0, 0, 0]]).max() < 1e-12, slopes
+
+
+def check_rules_of_integrals(folder):
+    """On the sides of cells of length h, by the rules themselves: their points and weights on [0, 1]."""
+    run(folder, """mesh plate = rectangle(2, 1, cells = [4, 2])
+part wall = plate.left
+part roof = plate.top
+tensor B = isotropic(young = 70, poisson = 0.3)
+space V = vector P1 on plate, zero on wall
+find u in V
+such that for all v in V
+  integral(plate, B : eps(u) : eps(v)) = 0
+report
+  table e = integral(roof, x^4), g = integral(roof, x^4, rule = gauss), m = integral(roof, x^4, rule = midpoint), n = integral(roof, x^4, rule = nodal)
+""")
+    row, h = rows(folder)[-1], 0.5
+    root = math.sqrt(1 / 12)
+    for name, rule in (("g", [(0.5 - root, 0.5), (0.5 + root, 0.5)]), ("m", [(0.5, 1)]), ("n", [(0, 0.5), (1, 0.5)])):
+        close(row[name], sum(h * w * (h * (k + s)) ** 4 for k in range(4) for s, w in rule), 1e-13)
+    close(row["e"], 2 ** 5 / 5, 1e-13)
+
+
 def check_stiffness_that_grows(folder):
     """The stress does not know by which number of the time a whole material is multiplied, wherever it is asked for; the displacement does."""
     found = []
@@ -835,7 +901,7 @@ report
 
 
 def main():
-    for check in (check_negative_bounds, check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_stiffness_that_grows, check_reactions_of_parts_that_overlap, check_reactions_at_the_start, check_reactions_of_what_begins, check_names_of_plans, check_sweep, check_names_of_studies, check_pictures, check_words, check_pictures_of_states, check_resume):
+    for check in (check_negative_bounds, check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_lines_of_memories, check_files_of_matrices, check_rules_of_integrals, check_stiffness_that_grows, check_reactions_of_parts_that_overlap, check_reactions_at_the_start, check_reactions_of_what_begins, check_names_of_plans, check_sweep, check_names_of_studies, check_pictures, check_words, check_pictures_of_states, check_resume):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
     check_examples()

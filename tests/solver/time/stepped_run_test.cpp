@@ -109,6 +109,24 @@ TEST(SteppedRun, KeepsTheChangeThatARefusedOneWouldReplace) {
   EXPECT_TRUE(asked == expected);
 }
 
+/// What lines and pictures show may be worked out with other numbers, across the plane, too.
+TEST(SteppedRun, MayChangeWhatTheReportShows) {
+  const auto showing = [](double modulus) {
+    Plan plan = slab(2, 4);
+    const Expr e = modulus * var(slot::field(field_of_u(0), slot::gradient(1, 1)));
+    const FieldSpec stress{"stress", {}, {e, e, e, e}, {}, {0.3 * e, 0.0, 0.0}};
+    plan.report.lines = {{{}, {stress}, {0.1, 0.5, 0}, {1.9, 0.5, 0}, 3, {}, "line"}};
+    plan.report.pictures = {{{}, stress, {}, "picture"}};
+    return plan;
+  };
+  const Plan plan = showing(1.0);
+  Discretisation d;
+  ASSERT_TRUE(discretise(plan, d).empty());
+  SteppedRun stepped(plan, d);
+  ASSERT_TRUE(stepped.advance());
+  EXPECT_NO_THROW(stepped.change(showing(2.0)));
+}
+
 TEST(SteppedRun, RefusesAPlanThatIsNoLaterOne) {
   const Plan plan = slab(2, 4);
   Discretisation d;
@@ -121,6 +139,29 @@ TEST(SteppedRun, RefusesAPlanThatIsNoLaterOne) {
   EXPECT_THROW(stepped.change(slab(2, 8)), Failure);
   EXPECT_THROW(stepped.change(slab(3, 4)), Failure);
   EXPECT_THROW(stepped.change(slab(2, 4, 2, true)), Failure);
+  const auto why = [&](auto&& edit) {
+    Plan edited = plan;
+    edit(edited);
+    try {
+      stepped.change(edited);
+    } catch (const Failure& failure) {
+      return std::string(failure.what());
+    }
+    return std::string("nothing");
+  };
+  EXPECT_EQ(why([](Plan& p) {
+              p.report.probes[0].point = {0.5, 0.5, 0};
+            }),
+            "the values change places or times of the report");
+  EXPECT_EQ(why([](Plan& p) {
+              FormTerm inertia;
+              inertia.field = field_of_u(2);
+              inertia.entries = {{slot::value(0), slot::value(0), 1.0}};
+              p.problem.forms.push_back(inertia);
+            }),
+            "the values change what the run has begun with");
+  EXPECT_EQ(why([](Plan& p) { p.problem.time.grid[4] = 1.5; }),
+            "the values change the times of the steps");
   const Vector before = stepped.u();
   while (stepped.advance()) {
   }
