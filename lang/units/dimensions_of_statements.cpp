@@ -313,8 +313,8 @@ void DimensionsOfStatements::rungs(const ast::Ladder& ladder) {
     for (const ast::Expr& item : list->items) {
       const auto* rung = std::get_if<ast::List>(&item.node);
       const ast::Expr& one = rung && k < rung->items.size() ? rung->items[k] : item;
-      if (own.dimension)
-        wants_each(one, *own.dimension, fmt::format("a rung of `{}`", names[k]->text));
+      const std::string what = fmt::format("a rung of `{}`", names[k]->text);
+      if (own.dimension && !wants_each(one, *own.dimension, what)) break; // the unit of all of them
     }
   }
 }

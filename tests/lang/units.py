@@ -149,6 +149,7 @@ WRONG = [
     ("an unknown unit", "2 [MPa]", "2 [Mpa]", "[Mpa]", "E0330"),
     ("another unknown unit", "2 [MPa]", "2 [newtons]", "[newtons]", "E0330"),
     ("a micro sign", "2 [MPa]", "2e12 [\u00b5Pa]", "\u00b5Pa", "E0330"),
+    ("a prefix that a unit does not have", "2 [MPa]", "2 [MPa]*1 [kmin]/(1 [min])", "[kmin]", "E0330"),
     ("a percent sign", "2 [MPa]", "2 [MPa]*100 [%]", "%", "E0110"),
     ("a degree sign", "2 [MPa]", "2 [MPa]*sin(90 [\u00b0])", "\u00b0", "E0101"),
     ("a product without a sign", "2 [MPa]", "2 [MPa]*1 [Nm]/(1 [N*m])", "[Nm]", "E0330"),
@@ -246,6 +247,13 @@ WRONG = [
     ("rows of a table", "N = norm(u)", "N = norm(u) every 2 [s] steps", "2 [s]", "E0331"),
     ("fields", "N = norm(u)", "N = norm(u)\n  fields u every 2 [s] steps", "2 [s]", "E0331"),
     ("points of a line", "N = norm(u)", "N = norm(u)\n  line u from [0, 5] [mm] to [20, 5] [mm] by 3 [mm] points", "3 [mm]", "E0331"),
+    ("the time of a value", "N = norm(u)", "N = norm(u), half = u.y at [20, 10] [mm] at t = 5 [mm]", "5 [mm]", "E0331"),
+    ("a bare time of a value", "N = norm(u)", "N = norm(u), half = u.y at [20, 10] [mm] at t = 5", "5", "E0332"),
+    ("the factor of a deformed picture", "N = norm(u)", "N = norm(u)\n  picture u deformed = 2 [mm]", "2 [mm]", "E0331"),
+    ("a bare rung", "within 10 [mm]\n", "within 10 [mm]\nstudy vary load in [1 [MPa], 2] against finest\n", "2", "E0332"),
+    ("rungs of another kind", "within 10 [mm]\n", "within 10 [mm]\nstudy vary load in [1, 2] [mm] against finest\n", "1", "E0331"),
+    ("a bare rung of the second parameter", "within 10 [mm]\n", "within 10 [mm]\nstudy vary n, load in [[2, 1 [MPa]], [4, 2]] against finest\n", "2", "E0332"),
+    ("an exact solution", "within 10 [mm]\n", "within 10 [mm]\nstudy vary n in [2, 4] against exact [x/(1 [s]), 0] in V\n", "x/(1 [s])", "E0331"),
     ("a velocity for a displacement", "find u in V", "find u [mm/s] in V", "slip^0", "E0331+"),
 ]
 
@@ -279,6 +287,7 @@ WRONG_OF_SEVERAL = [
     ("the range of a state", "in [0, 2] [mm]", "in [0, 2] [s]", "0", "E0331"),
     ("a bare range of a state", "in [0, 2] [mm]", "in [0, 2]", "2", "E0332"),
     ("an imposed value of the other unknown", "theta = 300 [K] on top", "theta = 300 [mm] on top", "300 [mm]", "E0331"),
+    ("the exact solution of the other unknown", "slid at [20 [mm], 0]\n", "slid at [20 [mm], 0]\nparam N = 2\nstudy vary N in [2, 4] against exact [[x, y], x]\n", "x", "E0331"),
     ("a start of the other unknown", "u = 0, theta = 300 [K]", "u = 0, theta = 300 [mm]", "300 [mm]", "E0331"),
 ]
 
