@@ -3,6 +3,7 @@ reference agree, and a second call takes what the first one finished.
 
 usage: study.py HVI_RUN ROOT
 """
+import csv
 import json
 import pathlib
 import signal
@@ -124,4 +125,14 @@ with tempfile.TemporaryDirectory() as folder:
     assert result["shared"]["meshes"] == 0
     lines = (folder / "out/study.csv").read_text().splitlines()
     assert lines[0].startswith("n,N,unknowns") and "strain_error" in lines[0] and len(lines) == 5
+    names = {"v_max": "V_max", "v_final": "V_final", "l2_max": "L2", "l2_final": "L2_final"}
+    for a, b in zip(csv.DictReader(lines), result["rows"]):
+        assert {name: float(a[name]) for name in names} == {name: b["error"][of] for name, of in names.items()}, (a, b)
+    # A ladder of lengths falls where that of their numbers rises: the same orders.
+    lengths = script.replace(vary, "vary h in [0.25, 0.125, 0.0625, 0.03125]").replace("param n", "param h = 0.25\nparam n", 1)
+    path.write_text(lengths.replace("cells = [n, n]", "cells = [1/h, 1/h]").replace("by N steps", "by 1/h steps"))
+    subprocess.run([program, "study", path, "-o", folder / "falls", "--json", folder / "falls.json", "--quiet"], check=True,
+                   stdout=subprocess.DEVNULL)
+    falls = json.loads((folder / "falls.json").read_text())["rows"]
+    assert [row["order"] for row in falls] == [row["order"] for row in result["rows"]], falls
 print("orders", [round(order, 3) for order in orders])

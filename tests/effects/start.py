@@ -114,6 +114,25 @@ def check_creep(folder):
             near(row[name], factor * found[0][name], abs(found[0][name]), f"creep at {row['t']}", 1e-10)
 
 
+def check_start_beside_mean_loads(folder):
+    """A static start is under the load of its time, also where steps take means over theirs."""
+    text = """mesh body = rectangle(2, 1, cells = [4, 2])
+part wall = body.left
+tensor B = isotropic(young = 70, poisson = 0.3)
+space V = vector P1 on body, zero on wall
+find u in V for t in [1, 2] by 4 steps from u = static using load = {load}
+such that for all v in V
+  integral(body, B : eps(u) : eps(v)) + integral(body, B : eps(u') : eps(v)) = integral(body, dot([0, -t^2], v))
+report
+  table a = u.y at [2, 1] from start
+"""
+    starts = []
+    for load in ("endpoint", "average"):
+        run(folder, text.replace("{load}", load))
+        starts.append(rows(folder)[0]["a"])
+    near(*starts, abs(starts[0]), "the start beside mean loads", 1e-12)
+
+
 def check_rest(folder):
     """Nothing changes: with viscosity, and with mass in every scheme, where rates and accelerations are zero from the start."""
     run(folder, BAR.format(more="", terms=" + integral(body, isotropic(lambda = 1, mu = 2) : eps(u') : eps(v))", columns=", rate = u'.y at [2, 0]"))
@@ -550,7 +569,7 @@ def check_notes_of_changing_forms(folder):
 
 
 def main():
-    for check in (check_changing_reactions, check_changing_quadrature, check_static_start, check_sums, check_creep, check_rest, check_rest_of_states, check_refusals, check_rows, check_laws_at_rest, check_between_steps, check_columns_of_the_start, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
+    for check in (check_changing_reactions, check_changing_quadrature, check_static_start, check_sums, check_creep, check_start_beside_mean_loads, check_rest, check_rest_of_states, check_refusals, check_rows, check_laws_at_rest, check_between_steps, check_columns_of_the_start, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
             print("ok", check.__name__)

@@ -24,6 +24,7 @@ TEST(Degree, OfExpressions) {
   EXPECT_EQ(polynomial_degree(pow(x + y, Expr(3.0)), 1), 3);
   EXPECT_EQ(polynomial_degree(x / (Expr(2.0) + t), 1), 1);
   EXPECT_EQ(polynomial_degree(select(less(t, Expr(1.0)), x * y, x), 1), 2);
+  EXPECT_EQ(polynomial_degree(select(less(t, Expr(1.0)), x, x * y), 1), 2);
   for (const Expr& e : {sine_x, Expr(1.0) / x, sqrt(x), pow(x, t), abs(u), max(x, y),
                         select(less(x, y), x, y), pow(x, Expr(-2.0)), pow(x, Expr(0.5))}) {
     EXPECT_FALSE(polynomial_degree(e, 1).has_value()) << to_string(e);

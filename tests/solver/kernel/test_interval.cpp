@@ -102,6 +102,17 @@ TEST(Interval, IsSharpForSingleOccurrences) {
   EXPECT_GT(scaled.low, 0.0);
 }
 
+/// atan2 jumps on the half line x < 0, y = 0, however short the part of it is that a box has.
+TEST(Interval, AnglesGoRoundTheOrigin) {
+  const Expr angle = Expr::make(Op::atan2, {y, x});
+  const auto over = [&](double low, double high) {
+    return bounds(angle, [&](Slot s) { return s == 0 ? Bounds{low, high} : Bounds{-1.0, 1.0}; });
+  };
+  for (const double left : {-1.0, -1e-4, -1e-300})
+    expect_bounds(over(left, 2.0), -std::numbers::pi, std::numbers::pi);
+  expect_bounds(over(1.0, 2.0), -0.25 * std::numbers::pi, 0.25 * std::numbers::pi);
+}
+
 TEST(Interval, DecidesCases) {
   const Expr e = select(less(x, 1.0), x, 10.0);
   expect_bounds(on(e, -1.0, 0.5), -1.0, 0.5);

@@ -41,6 +41,39 @@ TEST(Table, MonotoneCubicIsPchip) { // independent; the end slopes are another c
   }
 }
 
+/// The slope at an end is that of the parabola through three points, if it neither changes the sign
+/// of the first chord nor is more than three times as steep.
+TEST(Table, CubicEndsAsItsFirstChordsSay) {
+  const auto first_slope = [](std::vector<double> x, std::vector<double> y) {
+    const double at = x.front();
+    return Table("f", std::move(x), std::move(y), Kind::monotone_cubic).slope(at);
+  };
+  EXPECT_NEAR(first_slope({0, 1, 3, 4}, {0, 1, 9, 10}), 0.0, 1e-14);              // parabola x^2
+  EXPECT_NEAR(first_slope({1, 2, 4, 5}, {1, 4, 16, 17}), 2.0, 1e-13);             // again
+  EXPECT_NEAR(first_slope({0, 1, 3, 4}, {0, 1, 13, 14}), 0.0, 1e-14);             // -2/3 there
+  EXPECT_NEAR(first_slope({0, 1, 3, 4}, {0, 1, -15, -16}), 3.0, 1e-13);           // 4 there
+  EXPECT_NEAR(first_slope({0, 1, 3, 4}, {0, 1, -5, -6}), 1.0 + 4.0 / 3.0, 1e-13); // as it is
+}
+
+TEST(Table, CubicOfMirroredPointsIsMirrored) {
+  std::mt19937 engine(3);
+  std::exponential_distribution<double> step(1.0);
+  std::normal_distribution<double> height(0.0, 1.0);
+  for (int round = 0; round < 50; ++round) {
+    std::vector<double> x{0.0}, y{height(engine)};
+    for (int i = 0; i < 5; ++i)
+      x.push_back(x.back() + 0.1 + step(engine)), y.push_back(height(engine));
+    std::vector<double> back_x, back_y(y.rbegin(), y.rend());
+    for (auto at = x.rbegin(); at != x.rend(); ++at) back_x.push_back(x.back() - *at);
+    const Table one("f", x, y, Kind::monotone_cubic),
+        other("f", back_x, back_y, Kind::monotone_cubic);
+    for (int k = 1; k < 100; ++k) {
+      const double v = x.back() * k / 100.0;
+      EXPECT_NEAR(one.value(v), other.value(x.back() - v), 1e-12);
+    }
+  }
+}
+
 TEST(Table, CubicKeepsMonotoneDataMonotone) {
   std::mt19937 engine(1);
   std::exponential_distribution<double> jump(1.0);

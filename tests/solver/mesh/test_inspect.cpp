@@ -1,13 +1,17 @@
 // Seams, overlaps, pieces, cells of second order and the limit of degenerate cells, on small meshes
 // whose faults are known by construction. tests/families/meshes.py makes many more.
 #include "solver/mesh/boundary_distance.hpp"
+#include "solver/mesh/generate.hpp"
 #include "solver/mesh/inspect.hpp"
 #include "solver/mesh/read_msh.hpp"
 #include "tests/solver/mesh/helpers.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 namespace hvi::solver {
 namespace {
@@ -166,6 +170,22 @@ TEST(Degenerate, CellsOnBothSidesOfTheLimit) {
   for (const int dim : {2, 3}) {
     EXPECT_NEAR(cell_measure(parse(dim, 1.1e-14), 0), 1.1e-14, 1e-19);
     EXPECT_EQ(failure_of([&] { parse(dim, 0.9e-14); }).kind, FailureKind::bad_mesh);
+  }
+}
+
+/// Outside a cube it is the place with each coordinate cut to [0, 1]: on faces, edges and corners.
+TEST(NearestOnBoundary, OfACubeIsTheCutPoint) {
+  const std::vector<double> whole{0.0, 1.0};
+  const Mesh mesh = structured_mesh(3, {whole, whole, whole});
+  for (int k = 0; k < 125; ++k) {
+    Point p{}, cut{};
+    for (int i = 0, rest = k; i < 3; ++i, rest /= 5) {
+      p[i] = std::array{-0.7, 0.2, 0.45, 0.8, 1.6}[static_cast<std::size_t>(rest % 5)];
+      cut[i] = std::clamp(p[i], 0.0, 1.0);
+    }
+    if (p == cut) continue; // inside
+    const NearestOnBoundary found = nearest_on_boundary(mesh, p);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(found.at[i], cut[i], 1e-14) << k;
   }
 }
 

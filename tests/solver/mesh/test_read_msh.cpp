@@ -203,6 +203,22 @@ TEST(ReadMsh, TheSignOfAGroupTurnsFacetsInside) {
   }
 }
 
+/// Nodes may come with their parameters: one on curves, two on surfaces.
+TEST(ReadMsh, ParametersOfNodesAreNoCoordinates) {
+  const auto mesh_of = [](bool parametric) {
+    const auto more = [&](const char* parameters) { return parametric ? parameters : ""; };
+    return parse_msh(
+        fmt::format("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 1 1 0\n"
+                    "1 0 0 0 0 0 0 1 3 0\n1 0 0 0 0 0 0 1 2 0\n$EndEntities\n"
+                    "$Nodes\n2 4 1 4\n1 1 {0} 2\n1\n2\n0 0 0{1}\n1 0 0{2}\n"
+                    "2 1 {0} 2\n3\n4\n1 1 0{3}\n0 1 0{3}\n$EndNodes\n"
+                    "$Elements\n2 3 1 3\n1 1 1 1\n1 1 2\n2 1 2 2\n2 1 2 3\n3 1 3 4\n$EndElements\n",
+                    parametric ? 1 : 0, more(" 0.25"), more(" 0.75"), more(" 0.5 -0.5")),
+        "x.msh");
+  };
+  expect_same(mesh_of(true), mesh_of(false));
+}
+
 /// On an interval it turns nothing: a point has no order of nodes.
 TEST(ReadMsh, TheSignOfAPointOfAnIntervalSaysNothing) {
   const std::string text =

@@ -189,6 +189,11 @@ TEST(Table, CsvReadsBackToTheSameBits) {
   EXPECT_TRUE(text.ends_with(",\n"));
 }
 
+TEST(Table, QuotesInNamesAreDoubled) {
+  const ReportTable table{{"t", "of \"a\"", "plain"}, {{1}, {2}, {3}}};
+  EXPECT_EQ(csv_text(table), "t,\"of \"\"a\"\"\",plain\n1,2,3\n");
+}
+
 TEST(Table, UnitsLieBesideItAndItsNamesStay) {
   ReportTable table{{"t", "a,b", "n"}, {{1}, {2}, {3}}, {"s", "N/mm", ""}};
   EXPECT_TRUE(csv_text(table).starts_with("t,\"a,b\",n\n"));
