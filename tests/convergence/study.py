@@ -125,9 +125,14 @@ with tempfile.TemporaryDirectory() as folder:
     assert result["shared"]["meshes"] == 0
     lines = (folder / "out/study.csv").read_text().splitlines()
     assert lines[0].startswith("n,N,unknowns") and "strain_error" in lines[0] and len(lines) == 5
+    # study.csv against the JSON, for errors that are largest before the end.
+    path.write_text(script.replace(vary, "vary n, N in [[4, 4], [8, 8]]").replace("exact t * phi()", "exact (3*t - 2*t^2) * phi()"))
+    subprocess.run([program, "study", path, "-o", folder / "other", "--json", folder / "other.json", "--quiet"], check=True,
+                   stdout=subprocess.DEVNULL)
     names = {"v_max": "V_max", "v_final": "V_final", "l2_max": "L2", "l2_final": "L2_final"}
-    for a, b in zip(csv.DictReader(lines), result["rows"]):
+    for a, b in zip(csv.DictReader((folder / "other/study.csv").open()), json.loads((folder / "other.json").read_text())["rows"], strict=True):
         assert {name: float(a[name]) for name in names} == {name: b["error"][of] for name, of in names.items()}, (a, b)
+        assert len({a[name] for name in names}) == 4, a
     # A ladder of lengths falls where that of their numbers rises: the same orders.
     lengths = script.replace(vary, "vary h in [0.25, 0.125, 0.0625, 0.03125]").replace("param n", "param h = 0.25\nparam n", 1)
     path.write_text(lengths.replace("cells = [n, n]", "cells = [1/h, 1/h]").replace("by N steps", "by 1/h steps"))

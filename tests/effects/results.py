@@ -512,6 +512,39 @@ report
     close(here[2, 2], 0.3 * end["c"], 1e-12)  # without viscosity: Poisson's ratio times the stresses in the plane
 
 
+def check_certificates(folder):
+    """The certificate has the worst of the rows that monitors have of each step, and where they stand. What a memory is off is its
+    relative error times its norm and the largest value of its field, here a strain of some percent."""
+    run(folder, """mesh plate = rectangle(1, 1, cells = [4, 4])
+part wall = plate.top
+part ground = plate.bottom
+tensor A = isotropic(lambda = 5, mu = 10)
+tensor B = isotropic(young = 70, poisson = 0.3)
+kernel C(lag) = -0.3/(lag + 0.1)*B
+superpotential layer(r) with slope | r < 0 -> 0 | r < 0.01 -> 100*r | otherwise -> 1 + 20*(r - 0.01)
+space V = vector P1 on plate, zero on wall
+find u in V for t in [0, 1] by 100 steps from u = 0 using memory = tree, memory_tolerance = 1e-6
+such that for all v in V
+    integral(plate, A : eps(u') : eps(v)) + integral(plate, B : eps(u) : eps(v)) + integral(plate, history(C, eps(u)) : eps(v))
+  + integral(ground, layer^0(u.nu; v.nu))
+ >= integral(plate, dot([1, -9*sin(7*t)], v))
+report
+  table a = u.y at [0.5, 0]
+""", "--monitors", "--json", str(folder / "all.json"))
+    result = json.loads((folder / "all.json").read_text())
+    certificate, monitors = result["certificate"], result["monitors"]
+    steps = {}
+    for name in ("inclusion", "equilibrium"):
+        worst = max(monitors[name])
+        close(certificate[name], worst)
+        steps[name] = certificate[f"{name}_step"]
+        assert monitors[name][steps[name] - 1] == worst, (name, certificate)
+    assert steps["inclusion"] != steps["equilibrium"], "which of them is which would not be seen"
+    [memory] = result["plan"]["history"]
+    strain = memory["bound"] / (memory["error"] * memory["norm"])
+    assert 0 < memory["error"] <= 1e-6 and abs(memory["norm"] - math.log(11)) < 1e-6 and 1e-3 < strain < 1, memory
+
+
 def check_files_of_matrices(folder):
     """Entry ij of a matrix stands in row i of the arrays in VTU files: d u_i/d x_j of a field that is known."""
     run(folder, """mesh plate = rectangle(1, 1, cells = [2, 2])
@@ -546,6 +579,20 @@ report
     for name, rule in (("g", [(0.5 - root, 0.5), (0.5 + root, 0.5)]), ("m", [(0.5, 1)]), ("n", [(0, 0.5), (1, 0.5)])):
         close(row[name], sum(h * w * (h * (k + s)) ** 4 for k in range(4) for s, w in rule), 1e-13)
     close(row["e"], 2 ** 5 / 5, 1e-13)
+    # In a body of revolution gauss is exact for products of two shape functions around the axis, too.
+    run(folder, """mesh ring = rectangle(1, 1, cells = [1, 1], origin = [1, 0], axisymmetric = true)
+part wall = ring.left
+tensor B = isotropic(young = 70, poisson = 0.3)
+space V = vector P1 on ring, zero on wall
+find u in V
+such that for all v in V
+  integral(ring, B : eps(u) : eps(v)) = 0
+report
+  table a = integral(ring, x*y, rule = gauss), b = integral(ring, y^2, rule = gauss), c = integral(ring, x^2, rule = gauss)
+""")
+    row = rows(folder)[-1]
+    for name, exact in (("a", 7 / 6), ("b", 1 / 2), ("c", 15 / 4)):
+        close(row[name], 2 * math.pi * exact, 1e-13)
 
 
 def check_stiffness_that_grows(folder):
@@ -901,7 +948,7 @@ report
 
 
 def main():
-    for check in (check_negative_bounds, check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_lines_of_memories, check_files_of_matrices, check_rules_of_integrals, check_stiffness_that_grows, check_reactions_of_parts_that_overlap, check_reactions_at_the_start, check_reactions_of_what_begins, check_names_of_plans, check_sweep, check_names_of_studies, check_pictures, check_words, check_pictures_of_states, check_resume):
+    for check in (check_negative_bounds, check_motion, check_pairs, check_extremes, check_mises, check_lines, check_lines_of_what_changes, check_lines_of_memories, check_certificates, check_files_of_matrices, check_rules_of_integrals, check_stiffness_that_grows, check_reactions_of_parts_that_overlap, check_reactions_at_the_start, check_reactions_of_what_begins, check_names_of_plans, check_sweep, check_names_of_studies, check_pictures, check_words, check_pictures_of_states, check_resume):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
     check_examples()

@@ -203,6 +203,7 @@ TEST(Region, PointsAreNodes) {
   const Failure off = resolve_failure(mesh, point(0.26, 0.24));
   EXPECT_EQ(off.kind, FailureKind::bad_value);
   EXPECT_TRUE(says(off, "nearest is at (0.25, 0.25)")) << off.what();
+  EXPECT_EQ(resolve_failure(mesh, point(0.25 + 1e-6, 0.25)).kind, FailureKind::bad_value);
   EXPECT_EQ(resolve_failure(mesh, point(std::nan(""), 0)).kind, FailureKind::bad_value);
 }
 

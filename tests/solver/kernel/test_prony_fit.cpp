@@ -38,6 +38,17 @@ TEST(PronyFit, WeightsHaveTheSignOfTheData) {
   EXPECT_LE(fit.series.constant, 0);
 }
 
+/// Errors are those of the largest value, whatever the unit is.
+TEST(PronyFit, DoesNotDependOnTheUnit) {
+  const auto in_unit = [](double unit) {
+    return fit_prony(table_of([=](double x) { return unit * std::exp(-std::sqrt(x)); }, 0.1, 50));
+  };
+  const auto one = in_unit(1.0), other = in_unit(4096.0);
+  EXPECT_NEAR(other.largest / one.largest, 1.0, 1e-9);
+  EXPECT_NEAR(other.mean / one.mean, 1.0, 1e-9);
+  EXPECT_EQ(other.series.times, one.series.times);
+}
+
 /// Noise of 1 % is not followed: the error that is reported is about the noise.
 TEST(PronyFit, DoesNotFollowNoise) {
   unsigned state = 1;

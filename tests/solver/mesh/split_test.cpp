@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace hvi::solver {
 namespace {
@@ -66,6 +68,27 @@ TEST(Split, OpensWhereItEndsOnTheBoundary) {
         EXPECT_GT(cell_measure(mesh, static_cast<int>(c)), 0.0);
     }
   }
+}
+
+/// A cut whose ends both lie inside opens nothing: there are no facets of it, and no new nodes.
+TEST(Split, OfOneFacetInsideOpensNothing) {
+  Mesh mesh = cracked(2, 2.0);
+  const auto& all = mesh.groups.at("crack").entities;
+  const auto inside = std::ranges::find_if(all, [&](std::int32_t f) {
+    const auto& nodes = mesh.facets[static_cast<std::size_t>(f)].nodes;
+    return std::ranges::all_of(std::span(nodes).first(2), [&](std::int32_t n) {
+      const double x = mesh.nodes[static_cast<std::size_t>(n)][0];
+      return x > 0.0 && x < 2.0;
+    });
+  });
+  ASSERT_NE(inside, all.end());
+  mesh.groups["crack"].entities = {*inside};
+  const auto nodes = mesh.nodes.size(), facets = mesh.facets.size();
+  split(mesh, std::vector<std::string>{"crack"});
+  EXPECT_EQ(mesh.nodes.size(), nodes);
+  EXPECT_EQ(mesh.facets.size(), facets);
+  EXPECT_TRUE(mesh.groups.at("crack.first").entities.empty());
+  EXPECT_TRUE(mesh.groups.at("crack.second").entities.empty());
 }
 
 /// Of an interval the facets are points: each half has an end there, with its own normal.

@@ -208,6 +208,20 @@ TEST(Refine, KeepsInteriorFacetsAndTheirSide) {
   }
 }
 
+/// Children belong to the piece of their parent, in whose order they stand; a section stays one.
+TEST(Refine, KeepsPiecesAndAxes) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    Mesh mesh = shaken_mesh(dim, 3, 7);
+    mesh.pieces = {0, 2};
+    mesh.axisymmetric = dim == 2;
+    const Mesh fine = refine(mesh);
+    EXPECT_EQ(fine.axisymmetric, mesh.axisymmetric);
+    for (std::size_t c = 0; c < fine.cells.size(); ++c)
+      EXPECT_EQ(fine.piece_of_cell(static_cast<std::int32_t>(c)),
+                mesh.piece_of_cell(static_cast<std::int32_t>(c >> dim)));
+  }
+}
+
 using Corners = std::set<std::array<long, 3>>;
 std::set<Corners> cells_as_points(const Mesh& mesh, double unit) {
   std::set<Corners> cells;
