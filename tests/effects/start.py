@@ -133,6 +133,26 @@ report
     near(*starts, abs(starts[0]), "the start beside mean loads", 1e-12)
 
 
+def check_columns_at_the_first_time(folder):
+    """A column with the first time as its own has the initial value in all rows, whether there is one of the start or not."""
+    for more, count in (("", 4), (" from start", 5)):
+        run(folder, f"""mesh plate = rectangle(1, 1, cells = [2, 2])
+part wall = plate.left
+tensor B = isotropic(young = 70, poisson = 0.3)
+space V = vector P1 on plate, zero on wall
+find u in V for t in [0, 1] by 4 steps from u = [0.1*x, 0]
+such that for all v in V
+  integral(plate, B : eps(u) : eps(v)) + integral(plate, B : eps(u') : eps(v)) = 0
+report
+  table a = u.x at [1, 1], b = u.x at [1, 1] at t = 0{more}
+""")
+        found = rows(folder)
+        assert len(found) == count
+        for row in found:
+            near(row["b"], 0.1, 0.1, "the first time", 1e-14)
+            near(row["a"], 0.1 / 1.25 ** round(4 * row["t"]), 0.1, "backward Euler", 1e-12)
+
+
 def check_rest(folder):
     """Nothing changes: with viscosity, and with mass in every scheme, where rates and accelerations are zero from the start."""
     run(folder, BAR.format(more="", terms=" + integral(body, isotropic(lambda = 1, mu = 2) : eps(u') : eps(v))", columns=", rate = u'.y at [2, 0]"))
@@ -569,7 +589,7 @@ def check_notes_of_changing_forms(folder):
 
 
 def main():
-    for check in (check_changing_reactions, check_changing_quadrature, check_static_start, check_sums, check_creep, check_start_beside_mean_loads, check_rest, check_rest_of_states, check_refusals, check_rows, check_laws_at_rest, check_between_steps, check_columns_of_the_start, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
+    for check in (check_changing_reactions, check_changing_quadrature, check_static_start, check_sums, check_creep, check_start_beside_mean_loads, check_columns_at_the_first_time, check_rest, check_rest_of_states, check_refusals, check_rows, check_laws_at_rest, check_between_steps, check_columns_of_the_start, check_changing_stiffness, check_changing_viscosity, check_notes_of_changing_forms):
         with tempfile.TemporaryDirectory() as folder:
             check(pathlib.Path(folder))
             print("ok", check.__name__)
