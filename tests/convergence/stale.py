@@ -64,6 +64,15 @@ with tempfile.TemporaryDirectory() as folder:
         shutil.rmtree(folder / "out")
         alone, _ = study(folder, *options)
         assert errors == alone, f"{what}: {errors} against {alone} without a journal"
+    # The file of a mesh that is one of several pieces decides, too.
+    pieces = SCRIPT.replace('mesh slab = gmsh("slab.msh", refinements = n)', """mesh upper = gmsh("slab.msh", refinements = n)
+mesh lower = rectangle(1, 1, cells = [1, 1], at = [0, -9])
+mesh slab = upper + lower""")
+    write(folder, **{"model.hvi": pieces})
+    study(folder)
+    write(folder, **{"model.hvi": pieces, "slab.msh": nodes[:at] + "2.6" + nodes[at + 3:]})
+    _, fresh = study(folder)
+    assert fresh >= 3, f"a node of a piece: {fresh} rows ran"
     # A row that was changed by hand, or half written, counts for nothing.
     write(folder)
     shutil.rmtree(folder / "out")

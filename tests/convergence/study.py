@@ -133,6 +133,9 @@ with tempfile.TemporaryDirectory() as folder:
     for a, b in zip(csv.DictReader((folder / "other/study.csv").open()), json.loads((folder / "other.json").read_text())["rows"], strict=True):
         assert {name: float(a[name]) for name in names} == {name: b["error"][of] for name, of in names.items()}, (a, b)
         assert len({a[name] for name in names}) == 4, a
+        # The constant of the Cea type inequality: |error|^2 over the sum of its terms.
+        terms = sum(float(a[f"cea_{term}"]) for term in ("interpolation", "interpolation_rate", "trace", "residual", "rate", "start", "step"))
+        assert abs(float(a["cea_constant"]) * terms / float(a["v_max"]) ** 2 - 1) < 1e-7, a
     # A ladder of lengths falls where that of their numbers rises: the same orders.
     lengths = script.replace(vary, "vary h in [0.25, 0.125, 0.0625, 0.03125]").replace("param n", "param h = 0.25\nparam n", 1)
     path.write_text(lengths.replace("cells = [n, n]", "cells = [1/h, 1/h]").replace("by N steps", "by 1/h steps"))
