@@ -186,6 +186,20 @@ report
         of_kernel("C", entry, lambda lag: -3 * math.exp(-lag / 0.3) * declared)
     of_kernel("D", "xyxy", lambda lag: math.cos(lag) * 1)
     of_kernel("F", "xyxy", lambda lag: math.exp(-lag) * 3)
+    # Memories of K and of -K are one; each kernel has the sign that it was declared with, and its tensor's constants theirs.
+    both = scene.replace("kernel C(lag) = -3*exp(-lag/0.3) * B", "kernel C(lag) = (3 - lag)*exp(-lag) * B").replace("cos(lag) * O", "-(3 - lag)*exp(-lag) * O")
+    both = both.replace("0.01*integral(m, history({kernel}, eps(u)) : eps(v))",
+                        "0.01*integral(m, history(C, eps(u)) : eps(v)) + 0.01*integral(m, history(D, eps(u)) : eps(v))")
+    for kernel, sign in (("C", 1), ("D", -1)):
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = pathlib.Path(temporary)
+            (folder / "scene.hvi").write_text(both.replace("{kernel}", kernel))
+            done = subprocess.run([HVI_RUN, "scene.hvi", "--quiet", "-o", "out"], cwd=folder, capture_output=True, text=True)
+            assert done.returncode == 0, done.stderr
+            (panel,) = panels(folder / "out" / "graphs.svg")
+        first = float(re.search(r"\w+ = " + number + r"[,)]", panel["title"].split("q ", 1)[1])[1])
+        lag, q = min(panel["curve"])
+        assert first > 0 and q * sign > 0 and lag < 0.1, (panel["title"], lag, q)
 
 
 def kernels(panel, value, last, tolerance=0.0):
