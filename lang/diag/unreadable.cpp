@@ -84,12 +84,16 @@ std::string meant_file(const std::string& folder, const std::string& name) {
   std::error_code problem;
   if (fs::exists(at / name, problem)) return {};
   const fs::path last = fs::path(name).filename();
+  const auto meant = [](const fs::path& path) {
+    return fmt::format("did you mean `{}`?", path.string());
+  };
+  const auto own = folder_meant(at, fs::path(name).parent_path());
+  if (own && fs::is_regular_file(at / *own / last, problem)) return meant(*own / last);
   for (const fs::path& below : entries_of(at))
     if (fs::is_directory(below, problem) && fs::is_regular_file(below / last, problem))
-      return fmt::format("did you mean `{}`?", (below.filename() / last).string());
-  const auto own = folder_meant(at, fs::path(name).parent_path());
+      return meant(below.filename() / last);
   const auto file = own ? file_meant(at / *own, last) : std::nullopt;
-  return file ? fmt::format("did you mean `{}`?", (*own / *file).string()) : std::string();
+  return file ? meant(*own / *file) : std::string();
 }
 
 std::string why_unreadable(const std::string& path, const std::string& name) {

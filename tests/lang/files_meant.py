@@ -64,6 +64,7 @@ TYPED = [
     (["script.hv"], 2, "script.hvi"),
     (["lwas/own.hvi"], 1, "laws/own.hvi"),
     (["laws/owm"], 2, "laws/own.hvi"),
+    (["lwas/extra.hvi"], 1, "laws/extra.hvi"),  # not the one of another folder
     (["check", "script.hvi", "./other.hvi"], 1, "laws/other.hvi"),
     (["plan", "pull.cs"], 1, "pull.csv"),  # any file where no script is like it
     (["fmt", "scrpt.hvi"], 1, "script.hvi"),
@@ -86,7 +87,7 @@ def main():
     failures = []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        for path, text in {**FILES, "beside.hvi": "fn thrice(a) = 3*a\n"}.items():
+        for path, text in {**FILES, "beside.hvi": "fn thrice(a) = 3*a\n", "drafts/extra.hvi": "", "laws/extra.hvi": ""}.items():
             (folder / path).parent.mkdir(exist_ok=True)
             (folder / path).write_text(text)
         code, out, err = checked(folder, SCRIPT)
