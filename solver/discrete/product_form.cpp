@@ -42,12 +42,9 @@ ProductForm::ProductForm(const SparseMatrix& k, std::span<const std::uint8_t> of
       below += sums.squares[b][a];
     }
     double weight = below > 0.0 ? above / below : 0.0;
-    if (weight == 0.0) weight = sums.diagonal[b] < 0.0 ? -1.0 : 1.0;
-    const bool positive = with_laws[b] != 0 || sums.diagonal[b] > 0.0;
-    weights_[b] =
-        (positive && weight < 0.0) || (!positive && weight > 0.0 && sums.diagonal[b] < 0.0)
-            ? -weight
-            : weight;
+    if (weight == 0.0) weight = 1.0;
+    const double own = with_laws[b] != 0 ? 1.0 : sums.diagonal[b];
+    weights_[b] = own != 0.0 ? std::copysign(weight, own) : weight;
   }
   for (int i = 0; i < k.rows(); ++i)
     for (SparseMatrix::InnerIterator it(k, i); it; ++it)

@@ -26,11 +26,7 @@ namespace {
 constexpr int most_judged_points = 8000;
 constexpr int most_judged = 64; ///< of all unknowns; as a rule two to four suffice
 
-} // namespace
-
-namespace {
-
-/// The same with these columns of the rows of all points.
+/// sum_i weight_i M_i^T W M_i, M_i these columns of the rows of all points.
 SparseMatrix law_form(const Contact& contact, const std::vector<double>& weight,
                       const SparseMatrix& g) {
   Vector diagonal = Vector::Zero(contact.n_rows());
