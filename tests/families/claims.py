@@ -1,13 +1,15 @@
-"""Random small problems whose forms are not symmetric, with laws that do not soften: is one solution promised only where there is one?
+"""Random small problems whose forms are not symmetric, with walls, jumps and laws that soften: is one solution promised only where there is one?
 
 usage: claims.py HVI_RUN [--scenes N] [--seed S]
 
 One to three scalars on a block, each with diffusion and a mass, that act on each other or are carried along by a flow, of any size and
-sign, at one time or in steps of different lengths; a rigid wall or a bounded force that jumps acts on some of them at nodes of one side.
-The matrices are assembled here. With walls at the points c a step has one solution for every load if and only if K_II has an inverse and each principal
-minor of S = K_cc - K_cI K_II^-1 K_Ic is positive (as M. Kojima and R. Saigal, On the number of solutions to a class of linear
-complementarity problems, 1979, tell). Wrong: `check` says "exactly one solution" or a run "guaranteed" where one is not, or both do not say
-so where one or two unknowns act on each other and sym W K is positive definite, W those weights of the equations for which couplings of
+sign, at one time or in steps of different lengths; a rigid wall, a bounded force that jumps or one that falls acts on some of them at
+nodes of one side. The matrices are assembled here, S = K_cc - K_cI K_II^-1 K_Ic on the points c of laws. With walls a step has one solution
+for every load if and only if each principal minor of S is positive (as M. Kojima and R. Saigal, On the number of solutions to a class of
+linear complementarity problems, 1979, tell); where forces fall with the slope -m, so must be those minors with all of these points and -m w
+added or not on the diagonal, for the forces that loads need are linear on pieces which have these determinants, and one of another sign is
+a fold. Wrong: `check` says "exactly one solution" or a run "guaranteed" where one is not, or both do not say so where one or two unknowns
+act on each other and sym W (K - D) is positive definite, D the steepest falls, W those weights of the equations for which couplings of
 different signs cancel (of three the program's weights are not the best ones). References: independent.
 """
 import itertools
@@ -42,6 +44,11 @@ class Scene:
             self.couplings = self.couplings - self.couplings.T
         self.flow = random.normal(size=2) * 10 ** random.uniform(-1, 3) if self.count == 1 else np.zeros(2)
         self.laws = [str(random.choice(["unilateral(r)", "with slope | r < 0 -> -1 | otherwise -> 1"])) for _ in range(self.count)]
+        self.falls = np.zeros(self.count)
+        for b in range(self.count):
+            if random.random() < 0.3:
+                m = self.falls[b] = (self.capacity[b] + self.diffusion[b]) * 10 ** random.uniform(-2, 1)
+                self.laws[b] = f"with slope | r < 0 -> 0 | r < 1 -> {number(-m)}*r | otherwise -> {number(-m)}"
         self.rates, self.steps = np.zeros(self.count), np.ones(1)
         if random.random() < 0.4:
             self.rates, self.steps = 10 ** random.uniform(-2, 0, self.count), np.round(10 ** random.uniform(-1, 0, int(random.integers(2, 5))), 3)
@@ -64,7 +71,7 @@ class Scene:
         return np.block(blocks)
 
     def is_unique(self):
-        """And whether sym W K is positive definite, at every step."""
+        """And whether sym W (K - D) is positive definite, at every step."""
         return tuple(map(all, zip(*(self.has_one_solution(self.matrix(step)) for step in self.steps))))
 
     def has_one_solution(self, k):
@@ -72,8 +79,20 @@ class Scene:
         points = np.concatenate([b * self.scalar.n + np.array(at) for b in self.with_law])
         inner = np.setdiff1d(np.arange(len(k)), points)
         s = k[np.ix_(points, points)] - k[np.ix_(points, inner)] @ np.linalg.solve(k[np.ix_(inner, inner)], k[np.ix_(inner, points)])
-        minors = [np.linalg.det(s[np.ix_(some, some)]) for n in range(1, len(points) + 1) for some in itertools.combinations(range(len(points)), n)]
-        return min(minors) > 0, np.linalg.eigvalsh(self.weighted(k) + self.weighted(k).T)[0] > 0
+        falls = self.falls_of_nodes()
+        determinants = []
+        for choice in itertools.product((False, True), repeat=len(points)):  # of walls: held; of laws that fall: on the slope
+            choice, falling = np.array(choice), falls[points] > 0
+            left = np.flatnonzero(falling | ~choice)
+            one = (s - np.diag(np.where(falling & choice, falls[points], 0.0)))[np.ix_(left, left)]
+            determinants.append(np.linalg.det(one) if len(left) else 1.0)
+        rest = self.weighted(k - np.diag(falls))
+        return min(determinants) > 0, np.linalg.eigvalsh(rest + rest.T)[0] > 0
+
+    def falls_of_nodes(self):
+        """Of all unknowns: the steepest fall of a force, with the weight of its node."""
+        weights = sum(w * row for w, row in self.scalar.law_points("bottom", "nodal"))
+        return np.concatenate([self.falls[b] * weights * (b in self.with_law) for b in range(self.count)])
 
     def weighted(self, k):
         """Two equations: the couplings cancel, or are alike."""
@@ -139,7 +158,7 @@ def main():
         expected = definite and scene.count < 3
         refused += expected and not (checked and ran)
         if (not unique and (checked or ran)) or (expected and not (checked and ran)):
-            print(f"scene {k}: one solution {unique}, sym W K positive definite {definite}, check {checked}, run {ran}", file=sys.stderr)
+            print(f"scene {k}: one solution {unique}, sym W (K - D) positive definite {definite}, check {checked}, run {ran}", file=sys.stderr)
     print(f"{several} scenes with several solutions")
     print(f"family claims: scenes {options.scenes if options.only is None else len(options.only)}, certified {certified}, wrong {wrong}, refused {refused}")
     return 0 if wrong == refused == 0 and (options.only or several >= options.scenes // 5 and certified >= options.scenes // 5) else 1
