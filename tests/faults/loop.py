@@ -170,7 +170,8 @@ class Bench:
         return folder
 
     def environment(self, fault, more=()):
-        return {**os.environ, "LD_PRELOAD": str(self.library), "HVI_FAULT": fault, **dict(more)}
+        # What is killed leaves its temporary files: here, where they go away with the rest.
+        return {**os.environ, "TMPDIR": str(self.folder), "LD_PRELOAD": str(self.library), "HVI_FAULT": fault, **dict(more)}
 
     def run(self, fault, folder, words=None):
         undo = folder.parent / "undo"
