@@ -153,13 +153,18 @@ void Uniqueness::judge(bool convex) {
 void Uniqueness::judge_condensed(const SparseMatrix& k, const DenseMatrix& s) {
   const std::vector<double> in_increments =
       in_step(contact_, laws_.weight, step_weights(problem_).c.front());
-  DenseMatrix rest = s - DenseMatrix(law_form(contact_, in_increments, contact_.problem.g));
+  const SparseMatrix descent = law_form(contact_, in_increments, contact_.problem.g);
+  DenseMatrix rest = s; // large: changed in its place
+  for (int i = 0; i < descent.rows(); ++i)
+    for (SparseMatrix::InnerIterator it(descent, i); it; ++it) rest(i, it.col()) -= it.value();
   if (!contact_.of_unknown.empty()) {
     const ProductForm form(k, contact_.of_unknown, unknowns_with_laws(problem_));
     for (Eigen::Index i = 0; i < rest.rows(); ++i)
       rest.row(i) *= form.weight(contact_.problem.of_unknown[static_cast<std::size_t>(i)]);
   }
-  judge(DenseCholesky(0.5 * (rest + rest.transpose())).positive());
+  for (Eigen::Index j = 0; j < rest.cols(); ++j)
+    for (Eigen::Index i = 0; i < j; ++i) rest(i, j) = rest(j, i) = 0.5 * (rest(i, j) + rest(j, i));
+  judge(DenseCholesky(rest).positive());
 }
 
 std::string Uniqueness::too_soft() const {
