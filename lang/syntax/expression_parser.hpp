@@ -41,16 +41,16 @@ private:
   void unit_exponent();
   ast::Expr with_unit(ast::Expr value);
   ast::Expr reference();
-  ast::Expr parenthesised();
   std::vector<ast::Argument> arguments(const Token& open, const ast::Expr& callee);
   ast::Argument argument();
   ast::Expr clarke_tail(ast::Expr law);
   ast::Expr binary(ast::BinaryOp op, const Span& op_span, ast::Expr left, ast::Expr right);
   void check_callee(const ast::Expr& callee);
+  template <class Parse>
+  auto grouped(Parse inner);
   ast::Condition and_condition();
   ast::Condition not_condition();
   ast::Condition comparison();
-  ast::Condition grouped_condition();
   ast::Condition inside();
   ast::CompareOp comparison_sign();
   ast::Condition make_condition(ast::Condition::Node node, const Span& span);
@@ -60,5 +60,20 @@ private:
   std::vector<ast::UnitText> units_;   // of the file so far
   std::vector<bool> groups_condition_; // by token: a "(" around a condition
 };
+
+/// "(" inner ")": an expression or a condition, which counts its parentheses.
+template <class Parse>
+auto ExpressionParser::grouped(Parse inner) {
+  const Cursor::Level level(cursor_);
+  const Token open = cursor_.take();
+  cursor_.opened(open);
+  auto result = inner();
+  if (!cursor_.at(TokenKind::close_paren)) cursor_.fail_unclosed(open, TokenKind::close_paren);
+  cursor_.take();
+  cursor_.closed();
+  result.span = cursor_.span_from(open.span);
+  ++result.parens;
+  return result;
+}
 
 } // namespace hvi::lang

@@ -107,21 +107,8 @@ ast::Condition ExpressionParser::not_condition() {
   }
   if (cursor_.at_word("inside") && cursor_.peek(1).kind == TokenKind::open_paren) return inside();
   if (cursor_.at(TokenKind::open_paren) && groups_condition_[cursor_.place()])
-    return grouped_condition();
+    return grouped([this] { return condition(); });
   return comparison();
-}
-
-ast::Condition ExpressionParser::grouped_condition() {
-  const Cursor::Level level(cursor_);
-  const Token open = cursor_.take();
-  cursor_.opened(open);
-  ast::Condition result = condition();
-  if (!cursor_.at(TokenKind::close_paren)) cursor_.fail_unclosed(open, TokenKind::close_paren);
-  cursor_.take();
-  cursor_.closed();
-  result.span = cursor_.span_from(open.span);
-  ++result.parens;
-  return result;
 }
 
 ast::Condition ExpressionParser::inside() {

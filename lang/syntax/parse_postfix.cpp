@@ -47,7 +47,7 @@ ast::Expr ExpressionParser::primary() {
   case TokenKind::open_bracket:
     return list();
   case TokenKind::open_paren:
-    return with_unit(parenthesised());
+    return with_unit(grouped([this] { return expr(); }));
   default:
     break;
   }
@@ -158,19 +158,6 @@ void give_unit(ast::List& list, const ast::UnitText& unit) {
 ast::Expr ExpressionParser::reference() {
   ast::Name read = names_.name("a name");
   return make(ast::Reference{std::move(read.text)}, read.span);
-}
-
-ast::Expr ExpressionParser::parenthesised() {
-  const Cursor::Level level(cursor_);
-  const Token open = cursor_.take();
-  cursor_.opened(open);
-  ast::Expr result = expr();
-  if (!cursor_.at(TokenKind::close_paren)) cursor_.fail_unclosed(open, TokenKind::close_paren);
-  cursor_.take();
-  cursor_.closed();
-  result.span = cursor_.span_from(open.span);
-  ++result.parens;
-  return result;
 }
 
 // list = "[" expr { "," expr } "]" [ unit-tail ] ;

@@ -44,14 +44,7 @@ bool ReportParser::at_misspelt_item() const {
          suggest(cursor_.text(cursor_.peek()), report_item_words).has_value();
 }
 
-// report-item = "table" binding { "," binding } [ "every" expr "steps" ] [ "from" "start" ]
-//               [ "to" string ]
-//             | "fields" expr { "," expr } [ "every" expr "steps" ] [ "from" "start" ] [ "to"
-//             string ] | "picture" expr { "," expr } [ "deformed" "=" expr ] [ "at" "t" "=" expr ]
-//               [ "to" string ]
-//             | "line" expr { "," expr } "from" list "to" list "by" expr "points"
-//               [ "at" "t" "=" expr ] [ "to" string ]
-//             | "plot" name { "," name } "against" name [ "to" string ] ;
+// report-item = table-item | fields-item | picture-item | line-item | plot-item ;
 ast::ReportItem ReportParser::report_item() {
   if (cursor_.at_word("table")) return table_item();
   if (cursor_.at_word("fields")) return fields_item();
@@ -61,30 +54,37 @@ ast::ReportItem ReportParser::report_item() {
   cursor_.fail_expected("`table`, `fields`, `picture`, `line` or `plot`");
 }
 
+// rows-and-file = [ "every" expr "steps" ] [ "from" "start" ] [ "to" string ] ;
+template <class Item>
+void ReportParser::rows_and_file(Item& item) {
+  item.every = every_steps();
+  item.from_start = from_start();
+  item.to = to_file();
+  item.span = cursor_.span_from(item.keyword);
+}
+
+// table-item = "table" binding { "," binding } rows-and-file ;
 ast::TableItem ReportParser::table_item() {
   ast::TableItem result;
   result.keyword = cursor_.take().span;
   do result.columns.push_back(binding());
   while (cursor_.accept(TokenKind::comma));
-  result.every = every_steps();
-  result.from_start = from_start();
-  result.to = to_file();
-  result.span = cursor_.span_from(result.keyword);
+  rows_and_file(result);
   return result;
 }
 
+// fields-item = "fields" expr { "," expr } rows-and-file ;
 ast::FieldsItem ReportParser::fields_item() {
   ast::FieldsItem result;
   result.keyword = cursor_.take().span;
   do result.fields.push_back(expressions_.expr());
   while (cursor_.accept(TokenKind::comma));
-  result.every = every_steps();
-  result.from_start = from_start();
-  result.to = to_file();
-  result.span = cursor_.span_from(result.keyword);
+  rows_and_file(result);
   return result;
 }
 
+// picture-item = "picture" expr { "," expr } [ "deformed" "=" expr ] [ "at" "t" "=" expr ]
+//                [ "to" string ] ;
 ast::PictureItem ReportParser::picture_item() {
   ast::PictureItem result;
   result.keyword = cursor_.take().span;
@@ -100,6 +100,8 @@ ast::PictureItem ReportParser::picture_item() {
   return result;
 }
 
+// line-item = "line" expr { "," expr } "from" list "to" list "by" expr "points"
+//             [ "at" "t" "=" expr ] [ "to" string ] ;
 ast::LineItem ReportParser::line_item() {
   ast::LineItem result;
   result.keyword = cursor_.take().span;
@@ -118,6 +120,7 @@ ast::LineItem ReportParser::line_item() {
   return result;
 }
 
+// plot-item = "plot" name { "," name } "against" name [ "to" string ] ;
 ast::PlotItem ReportParser::plot_item() {
   ast::PlotItem result;
   result.keyword = cursor_.take().span;

@@ -30,6 +30,8 @@ private:
   [[nodiscard]] bool at_report_item() const;
   [[nodiscard]] bool at_misspelt_item() const;
   Span from_start();
+  template <class Item>
+  void rows_and_file(Item& item);
   ast::TableItem table_item();
   ast::FieldsItem fields_item();
   ast::PictureItem picture_item();

@@ -237,15 +237,30 @@ def run(program, folder, scene, turn, scale, shift):
     return u[nearest], ""
 
 
-def asked_for():
+def asked_for(scenes=200):
     """The options of a family."""
     parser = argparse.ArgumentParser()
     parser.add_argument("program", type=lambda p: str(pathlib.Path(p).resolve()))
-    parser.add_argument("--scenes", type=int, default=200)
+    parser.add_argument("--scenes", type=int, default=scenes)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", type=lambda text: [int(k) for k in text.split(",")])
     parser.add_argument("--keep", type=pathlib.Path)
     return parser.parse_args()
+
+
+def seeded(judge, scenes):
+    """A family whose scenes have seeds of their own: judge(program, folder, seed) says what is wrong. Exits."""
+    options = asked_for(scenes)
+    seeds = range(options.seed, options.seed + options.scenes) if options.only is None else options.only
+    wrong = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for seed in seeds:
+            found = judge(options.program, (options.keep or pathlib.Path(folder)) / str(seed), seed)
+            if found:
+                wrong += 1
+                print(f"FAILS scene {seed}: {found}", flush=True)
+    print(f"{len(seeds)} scenes, {wrong} wrong")
+    sys.exit(bool(wrong))
 
 
 def main():

@@ -9,17 +9,14 @@ step is a system of equations of the definition, integrated by a rule of its own
 backward Euler, and with inertia `newmark` and `midpoint`; the iterative solver, too. Integrands are of degree 2 at most in x, which every rule has exactly.
 Runs are certified; values at nodes agree to 1e-8 of the largest of their kind.
 """
-import argparse
 import json
-import pathlib
 import random
 import subprocess
-import sys
-import tempfile
 
 import numpy
 
 from moved_lattice import facets_on, lattice, msh
+from orientation import seeded
 
 AGREE = 1e-8
 AXES = "xyz"
@@ -373,26 +370,5 @@ def judge(program, folder, seed):
     return None if worst <= AGREE else f"{scene.dim}D, {scene.kind}: apart by {worst:.1e}: {[text for _, text, _, _ in scene.loads]}"
 
 
-def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("program")
-    parser.add_argument("--scenes", type=int, default=40)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", type=int)
-    parser.add_argument("--keep")
-    options = parser.parse_args()
-    program = str(pathlib.Path(options.program).resolve())
-    seeds = [options.only] if options.only is not None else range(options.seed, options.seed + options.scenes)
-    wrong = 0
-    with tempfile.TemporaryDirectory() as folder:
-        for seed in seeds:
-            found = judge(program, pathlib.Path(options.keep or folder) / str(seed), seed)
-            if found:
-                wrong += 1
-                print(f"FAILS scene {seed}: {found}", flush=True)
-    print(f"{len(seeds)} scenes, {wrong} wrong")
-    sys.exit(bool(wrong))
-
-
 if __name__ == "__main__":
-    main()
+    seeded(judge, scenes=40)

@@ -6,13 +6,11 @@ Bars of a few cells: every column of `--monitors` is summed up again here, cell 
 strains that the table has, for backward Euler, whose forces are those of the end of a step. Blocks and rings: where nothing but the
 scheme dissipates, what is lost is of the first order in the step, and with bdf2 at least that.
 """
-import argparse
 import json
-import pathlib
 import random
 import subprocess
-import sys
-import tempfile
+
+from orientation import seeded
 
 AGREE = 1e-9  # of the largest of the energies
 TIMES = 2.0   # less with half the step
@@ -113,29 +111,12 @@ def block(program, folder, seed):
     return None
 
 
-def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("program")
-    parser.add_argument("--scenes", type=int, default=24)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", type=int)
-    parser.add_argument("--keep")
-    options = parser.parse_args()
-    program = str(pathlib.Path(options.program).resolve())
-    seeds = [options.only] if options.only is not None else range(options.seed, options.seed + options.scenes)
-    wrong = 0
-    with tempfile.TemporaryDirectory() as folder:
-        for seed in seeds:
-            try:
-                found = (block if seed % 3 == 0 else bar)(program, pathlib.Path(options.keep or folder) / str(seed), seed)
-            except RuntimeError as refused:
-                found = str(refused)
-            if found:
-                wrong += 1
-                print(f"FAILS scene {seed}: {found}")
-    print(f"{len(seeds)} scenes, {wrong} wrong")
-    sys.exit(bool(wrong))
+def judge(program, folder, seed):
+    try:
+        return (block if seed % 3 == 0 else bar)(program, folder, seed)
+    except RuntimeError as refused:
+        return str(refused)
 
 
 if __name__ == "__main__":
-    main()
+    seeded(judge, scenes=24)

@@ -9,13 +9,11 @@ and P2, one to three states whose rates read strains, values, stresses, time and
 gradient, on either side, on the whole body or a part of it; all schemes, means of loads, memories, laws with and without
 friction, supports that move.
 """
-import argparse
 import json
-import pathlib
 import random
 import subprocess
-import sys
-import tempfile
+
+from orientation import seeded
 
 AGREE = 1e-8
 
@@ -157,26 +155,5 @@ def compare(program, folder, seed):
     return None if worst <= AGREE else f"apart by {worst:.1e}"
 
 
-def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("program")
-    parser.add_argument("--scenes", type=int, default=40)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", type=int)
-    parser.add_argument("--keep")
-    options = parser.parse_args()
-    program = str(pathlib.Path(options.program).resolve())
-    seeds = [options.only] if options.only is not None else range(options.seed, options.seed + options.scenes)
-    wrong = 0
-    with tempfile.TemporaryDirectory() as folder:
-        for seed in seeds:
-            found = compare(program, pathlib.Path(options.keep or folder) / str(seed), seed)
-            if found:
-                wrong += 1
-                print(f"FAILS scene {seed}: {found}")
-    print(f"{len(seeds)} scenes, {wrong} wrong")
-    sys.exit(bool(wrong))
-
-
 if __name__ == "__main__":
-    main()
+    seeded(compare, scenes=40)
