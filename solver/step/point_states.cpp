@@ -107,13 +107,12 @@ void PointStates::inputs(const Vector& u, const Vector* d, const Vector& xi,
   }
 }
 
-/// Those that the rates of a group read, with their sizes. What loads read of a body that laws hold
-/// is rounding where it sticks.
+/// Those that the rates of a group read, with their sizes. Of a body that laws hold it is rounding
+/// where it sticks.
 void PointStates::values_of_fields(const StateGroup& group, const LawFields& fields,
                                    StateInputs& out) const {
   const SparseMatrix& trace = group.body ? contact_.body_trace : contact_.trace;
-  const bool sticks = !group.body || n_with_rates(group) < group.states.size();
-  const bool reached = sticks && contact_.reach.size() == trace.cols();
+  const bool reached = contact_.reach.size() == trace.cols();
   int row = group.first_input;
   for (const Slot s : group.fields) {
     const int field = slot::field_of(s);
