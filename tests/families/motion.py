@@ -165,6 +165,12 @@ class Scene(rates.Scene):
         s, c = self.rate(n)
         return -c * now.d, s * (-c * now.d - now.v) - c * now.gained
 
+    def imposed_jump(self, n):
+        """Imposed entries of a step that is more than 100 times as long as the one before, which stands for a jump of theirs: d/k is their velocity."""
+        lengths = np.diff(self.grid)
+        jumps = self.moves is not None and n > 1 and lengths[n - 1] > 100 * lengths[n - 2]
+        return self.clamped_dofs if jumps and self.scheme in ("newmark", "hht", "midpoint") else self.clamped_dofs[:0]
+
     def matrix(self, n):
         u, v, a, _, _ = self.shares()
         memory = self.history(n, self.memory)[n] if self.memory else 0.0
@@ -251,6 +257,9 @@ class Scene(rates.Scene):
             known_v, known_a = self.known_rates(n, now)
             held = np.zeros(self.solid.n)
             held[self.clamped_dofs] = self.held_at(t)
+            jumps = self.imposed_jump(n)
+            moved = (held - last)[jumps]
+            known_v[jumps], known_a[jumps] = moved * (1 / k - s), (moved / k - now.v[jumps]) / k - moved * s2
             weights = self.history(n, self.memory) if self.memory else np.zeros(n + 1)
             memory_known = sum(w * state for w, state in zip(weights, states)) + weights[n] * held
             # All that does not move with the unknowns; u_n = held + (0 on what is held, the unknowns elsewhere).
@@ -272,6 +281,7 @@ class Scene(rates.Scene):
             self.speeds.append(rate)
             if self.scheme == "midpoint":
                 velocity = 2 * d / k - now.v
+                velocity[jumps] = moved / k
             else:
                 velocity = rate
             now = Now(velocity, s2 * d + known_a, d, velocity - now.v)
