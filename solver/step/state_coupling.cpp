@@ -68,6 +68,8 @@ public:
         fmt::format("the {} and the solution do not settle on each other: the step is too long for "
                     "what it does there, or there is no solution near the last one",
                     worst.algebraic ? worst.name : fmt::format("state `{}`", worst.name));
+    if (!obstacle_.empty())
+      out_.inequality.verdict += "; with some of the states that were tried, " + obstacle_;
   }
 
 private:
@@ -129,6 +131,7 @@ private:
     } catch (const Failure& failure) {
       if (failure.kind != FailureKind::bad_law && failure.kind != FailureKind::not_coercive) throw;
       error_ = infinity; // states for which there is no law, or no stiffness
+      obstacle_ = failure.what();
       return;
     }
     if (path_start_ != nullptr) {
@@ -417,7 +420,8 @@ private:
   StepResult& out_;
   bool algebraic_; ///< loads read the solution
   double share_ = 1.0, error_ = infinity;
-  int worst_ = -1; ///< the state that is farthest off
+  int worst_ = -1;       ///< the state that is farthest off
+  std::string obstacle_; ///< why some states have no solution
   StateInputs inputs_;
   Vector wanted_, state_;
 };

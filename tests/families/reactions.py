@@ -158,7 +158,7 @@ part bottom = solid.group("bottom")
 part right = solid.group("right")
 tensor B = isotropic(lambda = {lam!r}, mu = {mu!r})
 tensor A = isotropic(lambda = {eta * lam!r}, mu = {2 * eta * mu!r})
-kernel C(lag) = -exp(-lag/{tau!r}) * B
+kernel C(lag) = -{0.03 if fades else 1}*exp(-lag/{tau!r}) * B
 superpotential stop(r) = unilateral(r - {size * 0.001!r})
 superpotential spring(r) = {stiff / size * 0.3!r}*r^2
 superpotential rub(w) = {stiff * 0.01!r}*norm(w)
