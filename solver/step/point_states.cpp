@@ -12,6 +12,12 @@
 #include <cmath>
 
 namespace hvi::solver {
+namespace {
+
+/// What a tolerance of 1e-10 makes of this part of a size is rounding.
+constexpr double rounding_beside_tolerance = 1e-5;
+
+} // namespace
 
 /// States have first derivatives only: with the schemes of u'' they have BDF2, of second order,
 /// too.
@@ -378,6 +384,10 @@ std::vector<double> PointStates::made_of_scales(std::size_t g, const StateInputs
 }
 
 std::vector<double> PointStates::sizes(const StateInputs& inputs) const {
+  // A state goes no farther than its range, but for what rounding of its inputs does.
+  const auto within_range = [](double made, const StateTerm& state) {
+    return std::min(made, std::max(state.high - state.low, rounding_beside_tolerance * made));
+  };
   std::vector<double> out(problem_.states.size(), 0.0);
   for (std::size_t g = 0; g < rates_.size(); ++g) {
     const auto& group = contact_.state_groups[g];
@@ -385,10 +395,11 @@ std::vector<double> PointStates::sizes(const StateInputs& inputs) const {
     auto of_state = made.begin();
     for (const int state : group.states) {
       double& size = out[static_cast<std::size_t>(state)];
+      const StateTerm& term = problem_.states[static_cast<std::size_t>(state)];
       const int first = contact_.first_state[state];
-      for (int at = first; at < first + group.n_points; ++at)
+      for (int at = first; at < first + group.n_points; ++at, ++of_state)
         size = std::max({size, std::abs(contact_.state_values[at]), std::abs(known_[at]),
-                         std::abs(accepted_[at]), *of_state++});
+                         std::abs(accepted_[at]), within_range(*of_state, term)});
     }
   }
   share_sizes(out);

@@ -4,6 +4,7 @@
 #include "solver/common/numbers.hpp"
 #include "solver/step/coupled_bounds.hpp"
 #include "solver/step/mixing.hpp"
+#include "solver/step/state_kinds.hpp"
 #include "solver/step/state_tangent.hpp"
 
 #include <fmt/format.h>
@@ -27,13 +28,22 @@ constexpr int most_plain = 400;
 /// Passes that do not halve the least error so far: what gets to the tolerance at all is faster.
 constexpr int most_in_vain = 100;
 constexpr int most_mixed = 100;
-constexpr double least_part = 0.05;
+/// The directions of two passes, by their cosine; parts of a pass.
+constexpr double onward = 0.7, turned = 0.2, least_part = 0.005;
+constexpr int between_newton = 10;
+/// The way of the states over what they wanted at first: where a branch ends, it is two or three.
+constexpr double most_stretched = 3.0;
 /// From one step of a march to the next.
 constexpr double longer = 1.2;
 constexpr double shortest_newton = 1.0 / 64.0;
 constexpr int most_leaps = 12;
 /// A path ends where the step would have to grow by less than this part.
 constexpr double smallest_share = 1e-4;
+
+double cosine(const Vector& a, const Vector& b) {
+  const double sizes = a.norm() * b.norm();
+  return sizes > 0.0 ? a.dot(b) / sizes : 1.0;
+}
 
 class StateCoupling {
 public:
@@ -44,7 +54,8 @@ public:
       : problem_(problem), solver_(solver), states_(solver.laws.states), contact_(contact),
         tolerance_(tolerance), matrix_(matrix), path_start_(path_start), body_(body), renew_(renew),
         equation_(equation), trial_(trial), out_(out),
-        algebraic_(std::ranges::any_of(problem.states, &StateTerm::algebraic)) {}
+        algebraic_(std::ranges::any_of(problem.states, &StateTerm::algebraic)),
+        has_rates_(!std::ranges::all_of(problem.states, &StateTerm::algebraic)) {}
 
   void run() {
     judge();
@@ -53,15 +64,30 @@ public:
       contact_.state_values = wanted_;
       return;
     }
+    if (!find() && !(out_.inequality.converged && error_ <= tolerance_)) refuse();
+  }
+
+private:
+  /// The solution that continues the last states, near them or on a path; else one that they lead
+  /// to. False: there is none; the place is the nearest that was found.
+  bool find() {
     const Here first = here();
-    if (settle()) return keep_wanted();
-    go(first);
-    if (!in_forms()) {
-      if (settle_by_marching()) return;
+    first_off_ = worst_;
+    const bool settled = settle();
+    if (settled && continues(first)) return keep_wanted();
+    const Here nearest = here();
+    if (has_rates_) {
       go(first);
-      if (settle_on_path()) return;
+      if (settle_on_path()) return keep_wanted();
     }
-    if (out_.inequality.converged && error_ <= tolerance_) return;
+    go(settled || in_forms() ? nearest : first);
+    if (settled || (in_forms() ? settle_in_forms(nearest) : settle_by_marching()))
+      return keep_jumped();
+    go(nearest);
+    return false;
+  }
+
+  void refuse() {
     out_.inequality.converged = false;
     const StateTerm& worst = problem_.states[static_cast<std::size_t>(std::max(worst_, 0))];
     out_.inequality.verdict =
@@ -72,7 +98,6 @@ public:
       out_.inequality.verdict += "; with some of the states that were tried, " + obstacle_;
   }
 
-private:
   /// Does a law depend on a state?
   bool read() const {
     return std::ranges::any_of(contact_.terms, [](const ContactTerm& term) {
@@ -148,7 +173,7 @@ private:
 
   bool near() const { return error_ <= part_of_tolerance * tolerance_; }
 
-  /// Plain passes while they contract, then Newton's method, or Anderson's. False: none gets there.
+  /// Plain passes while they contract, then Newton's method. False: neither gets there.
   bool settle() {
     const Here first = here();
     double before = infinity;
@@ -169,12 +194,15 @@ private:
       if (near()) return true;
       if (error_ <= tolerance_ && error_ > 0.25 * before) break; // rounding is left
     }
-    if (!in_forms()) return holds_with_wanted() || (error_ <= tolerance_ && usable());
-    if (error_ <= tolerance_ && usable()) return true;
-    const Here place = here();
+    return (!in_forms() && holds_with_wanted()) || (error_ <= tolerance_ && usable());
+  }
+
+  /// Where states change forms or loads and Newton's method ends at this place.
+  bool settle_in_forms(const Here& place) {
+    if (!std::isfinite(error_)) return false;
     if (settle_by_mixing()) return true;
     go(place);
-    return settle_by_parts();
+    return settle_by_following();
   }
 
   /// Newton's method on what the states are made of. What a steep load makes of a solution that is
@@ -248,9 +276,9 @@ private:
   /// Rates that begin at a threshold are steep on one side of it alone, so that a state which is as
   /// near as one can tell may leave much of its equation. What the solution makes of the states
   /// takes their place, and the forces of their loads change by as little as these. States at the
-  /// points of laws stay: the multipliers are those of their values.
-  void keep_wanted() {
-    if (problem_.state_loads.empty() || wanted_.size() == 0) return;
+  /// points of laws stay: the multipliers are those of their values. True: the step has a solution.
+  bool keep_wanted() {
+    if (problem_.state_loads.empty() || wanted_.size() == 0) return true;
     const Here place = here();
     for (const auto& group : contact_.state_groups)
       for (const int i : group.states)
@@ -261,19 +289,40 @@ private:
     solver_.laws.prepare(equation_.n, equation_.known);
     judge();
     if (!(out_.equilibrium <= tolerance_)) go(place);
+    return true;
   }
 
-  std::vector<int> kinds_of_states() const {
-    std::vector<int> out(static_cast<std::size_t>(contact_.state_values.size()), 0);
-    for (const auto& group : contact_.state_groups)
-      for (const int i : group.states)
-        std::fill_n(out.begin() + contact_.first_state[static_cast<std::size_t>(i)], group.n_points,
-                    i);
-    return out;
+  /// Of a solution that was not followed from the last states.
+  bool keep_jumped() {
+    keep_wanted();
+    if (has_rates_) out_.not_followed = std::max(first_off_, 0);
+    return true;
+  }
+
+  /// Is this solution on the branch of that place, whose states want to go somewhere? They do all
+  /// the way here, less and less. Beyond a place where a branch ends they want it more and more.
+  /// Not asked where they came about as far as they wanted to.
+  bool continues(const Here& from) {
+    const Vector way = contact_.state_values - from.values;
+    if (!has_rates_ || from.wanted.size() != way.size()) return true;
+    const Vector along = by_squared_sizes(way, kinds_of_states(contact_));
+    double last = along.dot(from.wanted - from.values);
+    if (along.dot(way) <= most_stretched * std::abs(last)) return true;
+    const Here place = here();
+    bool less = true;
+    for (double part = 0.25; part < 1.0 && less; part += 0.25) {
+      solve_with(from.values + part * way);
+      const double now =
+          std::isfinite(error_) ? along.dot(wanted_ - contact_.state_values) : infinity;
+      less = now <= last;
+      last = now;
+    }
+    go(place);
+    return less;
   }
 
   bool settle_by_mixing() {
-    Mixing mixing(kinds_of_states());
+    Mixing mixing(kinds_of_states(contact_));
     double best = error_;
     for (int k = 0; k < most_mixed && std::isfinite(error_); ++k) {
       solve_with(states_.kept(mixing.next(contact_.state_values, wanted_)));
@@ -284,19 +333,36 @@ private:
     return false;
   }
 
-  /// Passes that go a part of the way, less where the error does not fall.
-  bool settle_by_parts() {
-    double part = 1.0, before = error_, best = error_;
+  /// Passes that follow the states to where these lead, a part of the way where they turn back, as
+  /// the flow dz/ds = Z - z goes. It passes by a place where a solution has just ceased to be: on a
+  /// long step softening runs on until points have lost all they can. Newton's method is tried from
+  /// time to time.
+  bool settle_by_following() {
+    double part = 1.0, best = error_;
+    Vector before;
     int in_vain = 0;
-    for (int k = 0; k < most_plain && in_vain < most_in_vain && std::isfinite(error_); ++k) {
-      solve_with(states_.kept(contact_.state_values + part * (wanted_ - contact_.state_values)));
-      if (near()) return true;
-      if (error_ > 0.9 * before) part = std::max(least_part, 0.7 * part);
-      before = error_;
-      in_vain = error_ < 0.5 * best ? 0 : in_vain + 1;
-      if (in_vain == 0) best = error_;
+    for (int k = 1; k <= most_plain && in_vain < most_in_vain && std::isfinite(error_); ++k) {
+      const Vector direction = wanted_ - contact_.state_values;
+      const double turn = k == 1 ? 1.0 : cosine(direction, before);
+      if (turn > onward) part = std::min(1.0, 1.3 * part);
+      if (turn < turned) part = std::max(least_part, 0.5 * part);
+      before = direction;
+      solve_with(states_.kept(contact_.state_values + part * direction));
+      if (near() || (k % between_newton == 0 && settle_from_here())) return true;
+      in_vain = error_ < 0.5 * best || turn > onward ? 0 : in_vain + 1;
+      best = std::min(best, error_);
     }
     return error_ <= tolerance_;
+  }
+
+  /// By Newton's method. False: the place is as it was.
+  bool settle_from_here() {
+    const Here place = here();
+    for (int k = 0; k < most_newton && newton(); ++k)
+      if (near()) return true;
+    if (error_ <= tolerance_) return true;
+    go(place);
+    return false;
   }
 
   /// One step, halved until the error falls. False: it does not, and the place is as it was.
@@ -390,7 +456,8 @@ private:
     while (reached < 1.0) {
       share_ = std::min(1.0, reached + step);
       judge();
-      if (std::isfinite(error_) && settle()) {
+      const Here before = here(); // what the states want of this part of the step
+      if (std::isfinite(error_) && settle() && continues(before)) {
         reached = share_, last = here();
         step *= 2.0;
         continue;
@@ -419,8 +486,10 @@ private:
   Trial& trial_;
   StepResult& out_;
   bool algebraic_; ///< loads read the solution
+  bool has_rates_; ///< some states have: a part of a step is another problem
   double share_ = 1.0, error_ = infinity;
   int worst_ = -1;       ///< the state that is farthest off
+  int first_off_ = -1;   ///< that which was at first
   std::string obstacle_; ///< why some states have no solution
   StateInputs inputs_;
   Vector wanted_, state_;

@@ -39,6 +39,8 @@ struct StepResult {
   std::optional<Restart> restart; ///< set: nothing else of this result is
   /// It crossed unstable states: the branch ended, or where it was not followed, snap.hpp says so.
   bool snap = false;
+  int not_followed =
+      -1; ///< a state that may have jumped: the step was not followed from the last one
   std::vector<double> branch_ends; ///< where, from 0 at the last state to 1 at this one
 };
 

@@ -60,6 +60,12 @@ std::string what_happened(const StepResult& step, int n, const TimeGrid& grid, B
   return out + "; on with the next stable state of the equilibrium curve at that load";
 }
 
+std::string where_it_went(const Problem& problem, int state) {
+  return fmt::format("the state `{}` was not followed from its last values, where no solution was "
+                     "found for the whole step: it may have jumped; smaller steps may show another",
+                     problem.states[static_cast<std::size_t>(state)].name);
+}
+
 /// The force against the smallest motion: the slope to the right of 0. Of friction its bound.
 double force_at_zero(const Law& law, const LawGraph& graph) {
   if (law.spec().radial) return law.slope(graph, 0, 0.0);
@@ -132,6 +138,10 @@ void note_step(const StepResult& step, int n, double t, const TimeGrid& grid, co
       plan.problem.law_terms.empty() ? Origin{} : plan.problem.law_terms.front().origin;
   if (const auto what = what_happened(step, n, grid, plan.options.branch); !what.empty())
     result.notes.push_back({n, t, what, origin});
+  if (step.not_followed >= 0)
+    result.notes.push_back(
+        {n, t, where_it_went(plan.problem, step.not_followed),
+         plan.problem.states[static_cast<std::size_t>(step.not_followed)].origin});
   if (const auto what = what_is_below(step.inequality.least_gap); !what.empty())
     result.notes.push_back({n, t, what, origin});
 }

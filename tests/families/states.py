@@ -153,7 +153,8 @@ class Scene(rates.Scene):
             slip = np.array([np.linalg.norm(x - (normal @ x) * normal) for x, (_, _, normal) in zip(v, points)])
             a = {"nu": nu / self.reach, "slip": slip / (self.reach * self.wave), "xi": told["xi"][n] / self.force_size}
             # Points that stick under large multipliers: a slip of the size of what u is known to wears them here.
-            rounding = max(4 * EPS, self.known_to) * s * max(np.abs(u).max() for u in us[:n + 1])
+            sizes = [np.abs(u).max() for u in us]
+            rounding = s * max(4 * EPS * max(sizes[:n + 1]), self.known_to * max(sizes))
             rounded = {**a, "slip": a["slip"] + rounding / (self.reach * self.wave)}
             for i, state in enumerate(self.states):
                 z, other = told[state.name][n], told[names[1 - i]][n] if len(names) > 1 else None
