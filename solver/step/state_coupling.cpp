@@ -28,8 +28,8 @@ constexpr int most_plain = 400;
 /// Passes that do not halve the least error so far: what gets to the tolerance at all is faster.
 constexpr int most_in_vain = 100;
 constexpr int most_mixed = 100;
-/// The directions of two passes, by their cosine; parts of a pass.
-constexpr double onward = 0.7, turned = 0.2, least_part = 0.005;
+/// The cosine of the directions of two passes that lead the same way.
+constexpr double onward = 0.7;
 constexpr int between_newton = 10;
 /// The way of the states over what they wanted at first: where a branch ends, it is two or three.
 constexpr double most_stretched = 3.0;
@@ -333,23 +333,20 @@ private:
     return false;
   }
 
-  /// Passes that follow the states to where these lead, a part of the way where they turn back, as
-  /// the flow dz/ds = Z - z goes. It passes by a place where a solution has just ceased to be: on a
-  /// long step softening runs on until points have lost all they can. Newton's method is tried from
-  /// time to time.
+  /// Passes that follow the states to where these lead. They pass by a place where a solution has
+  /// just ceased to be: on a long step softening runs on until points have lost all they can.
+  /// Newton's method is tried from time to time.
   bool settle_by_following() {
-    double part = 1.0, best = error_;
     Vector before;
-    int in_vain = 0;
-    for (int k = 1; k <= most_plain && in_vain < most_in_vain && std::isfinite(error_); ++k) {
+    double best = error_;
+    for (int k = 1, in_vain = 0; k <= most_plain && in_vain < most_in_vain && std::isfinite(error_);
+         ++k) {
       const Vector direction = wanted_ - contact_.state_values;
-      const double turn = k == 1 ? 1.0 : cosine(direction, before);
-      if (turn > onward) part = std::min(1.0, 1.3 * part);
-      if (turn < turned) part = std::max(least_part, 0.5 * part);
+      const bool goes_on = k == 1 || cosine(direction, before) > onward;
       before = direction;
-      solve_with(states_.kept(contact_.state_values + part * direction));
+      solve_with(Vector(wanted_));
       if (near() || (k % between_newton == 0 && settle_from_here())) return true;
-      in_vain = error_ < 0.5 * best || turn > onward ? 0 : in_vain + 1;
+      in_vain = goes_on || error_ < 0.5 * best ? 0 : in_vain + 1;
       best = std::min(best, error_);
     }
     return error_ <= tolerance_;
