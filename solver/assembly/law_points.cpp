@@ -5,7 +5,12 @@
 // A radial law sees its vector argument through the norm only. Its rows are replaced by Q^T rows,
 // with Q an orthonormal basis of their range at the point: |Q^T R u| = |R u|, and 2D friction on
 // u.tau becomes one scalar row, 3D friction two.
+//
+// Nodal points on a side that turns from facet to facet have one normal, the mean of those about
+// the node. With a point for each facet a wall would hold the node along both, so that the polygon
+// of a circle could not slide on its drum however fine it is (the paradox of I. Babuska).
 #include "solver/assembly/assembly.hpp"
+#include "solver/assembly/facet_fans.hpp"
 #include "solver/assembly/pairing.hpp"
 #include "solver/assembly/range.hpp"
 
@@ -15,6 +20,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <unordered_map>
 
 namespace hvi::solver {
@@ -52,6 +58,11 @@ double rounding_of_normal(const Mesh& mesh, int facet) {
   if (mesh.dim == 1) return 0.0;
   const double height = mesh.dim == 2 ? longest : 2.0 * facet_measure(mesh, facet) / longest;
   return height > 0.0 ? units * largest / height : 0.0;
+}
+
+bool is_near(const Point& a, const Point& b, double near) {
+  return std::abs(a[0] - b[0]) <= near && std::abs(a[1] - b[1]) <= near &&
+         std::abs(a[2] - b[2]) <= near;
 }
 
 const SpaceBlock& block_of(const Space& space, const LawTerm& term) {
@@ -118,8 +129,13 @@ public:
   std::vector<RawPoint> collect() {
     const int dim = dimension_of(*space_.mesh, region_);
     local_nodes_ = nodal_rule_nodes(dim, dim == 0 ? 1 : order_);
+    if (term_.rule == Rule::nodal && region_.kind == Group::Kind::facets)
+      fans_.emplace(space_, region_.entities);
     const RegionPoints points = points_on(space_, region_, term_, order_);
-    points.for_blocks([&](const PointBlock& block) { add(block, points.per_entity()); });
+    points.for_blocks([&](const PointBlock& block) {
+      fans_ ? add(turned(block, points.per_entity()), points.per_entity())
+            : add(block, points.per_entity());
+    });
     return std::move(raw_);
   }
 
@@ -129,6 +145,19 @@ private:
     for (const auto& row : term_.rows)
       for (const int i : derivatives_) all.push_back(row.u[i]);
     return all;
+  }
+  /// The points of the next facets with the normals at their nodes. On a plane these are the
+  /// facets', to the last bit.
+  PointBlock turned(PointBlock block, std::size_t per_entity) {
+    for (std::size_t p = 0; p < block.size(); ++p) {
+      const std::size_t f = next_facet_ + p / per_entity;
+      const Point normal = fans_->normal_at(static_cast<int>(f), local_nodes_[p % per_entity]);
+      const double near = as_one + 2.0 * rounding_of_normal(*space_.mesh, block.entity[p]);
+      if (is_near(normal, fans_->normal(f), near)) continue;
+      for (std::size_t j = 0; j < 3; ++j) block.normal[j][p] = normal[j];
+    }
+    next_facet_ += block.size() / per_entity;
+    return block;
   }
   void add(const PointBlock& block, std::size_t per_entity) {
     const std::size_t n = block.size();
@@ -192,17 +221,15 @@ private:
   const std::vector<int> derivatives_;
   Pointwise tape_;
   std::vector<int> local_nodes_;
+  std::optional<FacetFans> fans_;
+  std::size_t next_facet_ = 0; ///< of the region's list
   std::vector<double> values_;
   std::vector<RawPoint> raw_;
 };
 
 bool is_same(const RawPoint& a, const RawPoint& b) {
   const double near = as_one + a.rounding + b.rounding;
-  for (int j = 0; j < 3; ++j) {
-    if (std::abs(a.normal[j] - b.normal[j]) > near) {
-      return false;
-    }
-  }
+  if (!is_near(a.normal, b.normal, near)) return false;
   const double scale = std::max(a.rows.cwiseAbs().maxCoeff(), b.rows.cwiseAbs().maxCoeff());
   return (a.rows - b.rows).cwiseAbs().maxCoeff() <= 2.0 * near * scale;
 }

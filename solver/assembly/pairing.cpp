@@ -1,6 +1,7 @@
 // See pairing.hpp.
 #include "solver/assembly/pairing.hpp"
 
+#include "solver/assembly/facet_fans.hpp"
 #include "solver/assembly/segments.hpp"
 #include "solver/common/triples.hpp"
 #include "solver/fem/geometry.hpp"
@@ -18,9 +19,6 @@
 namespace hvi::solver {
 namespace {
 
-/// Facets at a node whose normals have a smaller cosine have a crease between them: the node is a
-/// point of each side of it, with its normal.
-constexpr double crease = 0.7071;
 /// Dual functions whose root mean square is beyond this are replaced by the q_i themselves (facets
 /// of which small parts in the middle meet the second side).
 constexpr double largest_dual = 14.0;
@@ -32,23 +30,16 @@ constexpr double whole = 1e-9; ///< a facet that has partners but for this share
 class FirstSide {
 public:
   FirstSide(const Space& space, std::span<const std::int32_t> facets)
-      : space_(space), facets_(facets) {
-    const auto& mesh = *space.mesh;
-    for (std::size_t f = 0; f < facets.size(); ++f) {
-      normals_.push_back(facet_normal(mesh, facets[f]));
-      measures_.push_back(facet_measure(mesh, facets[f]));
-      const auto nodes = space.nodes_of_facet(facets[f]);
-      for (const auto n : nodes) at_node_[n].push_back(static_cast<int>(f));
-    }
+      : space_(space), facets_(facets), fans_(space, facets) {
     point_of_.resize(facets.size());
     for (std::size_t f = 0; f < facets.size(); ++f)
-      for (const auto n : space.nodes_of_facet(facets[f]))
-        point_of_[f].push_back(point(static_cast<int>(f), n));
+      for (int k = 0; k < std::ssize(space.nodes_of_facet(facets[f])); ++k)
+        point_of_[f].push_back(point(static_cast<int>(f), k));
   }
 
   int size() const { return static_cast<int>(node.size()); }
   int point_of(std::size_t f, std::size_t local) const { return point_of_[f][local]; }
-  double measure(std::size_t f) const { return measures_[f]; }
+  double measure(std::size_t f) const { return fans_.measure(f); }
   /// The averaged normal in the middle of a facet.
   Point direction(std::size_t f) const {
     Point sum{};
@@ -60,9 +51,9 @@ public:
   Point up() const {
     Point sum{};
     double all = 0.0;
-    for (std::size_t f = 0; f < normals_.size(); ++f)
-      add(sum, measures_[f], normals_[f]), all += measures_[f];
-    return norm(sum) > 0.1 * all ? unit(sum) : normals_.front();
+    for (std::size_t f = 0; f < fans_.size(); ++f)
+      add(sum, fans_.measure(f), fans_.normal(f)), all += fans_.measure(f);
+    return norm(sum) > 0.1 * all ? unit(sum) : fans_.normal(0);
   }
 
   std::vector<std::int32_t> node, facet;
@@ -77,39 +68,21 @@ private:
     return {v[0] / length, v[1] / length, v[2] / length};
   }
 
-  /// The facets at a node that are on the same side of creases as facet f.
-  std::vector<int> smooth_with(int f, std::int32_t at) const {
-    const auto& here = at_node_.at(at);
-    std::vector<int> found{f};
-    for (std::size_t i = 0; i < found.size(); ++i)
-      for (const int other : here)
-        if (std::ranges::find(found, other) == found.end() &&
-            dot(normals_[static_cast<std::size_t>(found[i])],
-                normals_[static_cast<std::size_t>(other)]) >= crease)
-          found.push_back(other);
-    std::ranges::sort(found);
-    return found;
-  }
-
-  int point(int f, std::int32_t at) {
-    const auto fan = smooth_with(f, at);
+  int point(int f, int local) {
+    const std::int32_t at = space_.nodes_of_facet(
+        facets_[static_cast<std::size_t>(f)])[static_cast<std::size_t>(local)];
+    const auto fan = fans_.about(f, at);
     const auto [known, fresh] = known_.try_emplace(std::pair(at, fan.front()), size());
     if (!fresh) return known->second;
-    Point sum{};
-    for (const int other : fan)
-      add(sum, measures_[static_cast<std::size_t>(other)],
-          normals_[static_cast<std::size_t>(other)]);
     node.push_back(at);
     facet.push_back(facets_[static_cast<std::size_t>(fan.front())]);
-    normal.push_back(unit(sum));
+    normal.push_back(fans_.normal_at(f, local));
     return size() - 1;
   }
 
   const Space& space_;
   std::span<const std::int32_t> facets_;
-  std::vector<Point> normals_;
-  std::vector<double> measures_;
-  std::unordered_map<std::int32_t, std::vector<int>> at_node_;
+  FacetFans fans_;
   std::map<std::pair<std::int32_t, int>, int> known_; ///< node and first facet of the fan
   std::vector<std::vector<int>> point_of_;            ///< by facet and local node
 };

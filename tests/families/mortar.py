@@ -8,9 +8,8 @@ import itertools
 
 import numpy as np
 
-from solids import line_rule, shapes, triangle_rule
+from solids import Fans, line_rule, shapes, triangle_rule
 
-CREASE = 0.7071
 LARGEST_DUAL = 14.0
 
 
@@ -19,31 +18,20 @@ class PairPoint:
         self.weight, self.jump, self.normal, self.gap, self.node = weight, jump, normal, gap, node
 
 
-class Side:
+class Side(Fans):
     """The first side: its points are its nodes, with averaged normals."""
 
     def __init__(self, solid, facets):
-        self.solid, self.facets = solid, [tuple(int(v) for v in f) for f in facets]
-        self.sizes, self.normals = zip(*(solid.facet(f) for f in self.facets))
+        super().__init__(solid, facets)
         self.keys, self.normal_of = [], {}
         for k, f in enumerate(self.facets):
             row = []
             for node in solid.nodes(f):
                 fan = self.fan(k, node)
                 key = (node, fan[0])
-                total = sum(self.sizes[i] * self.normals[i] for i in fan)
-                self.normal_of[key] = total / np.linalg.norm(total)
+                self.normal_of[key] = self.normal(k, node)
                 row.append(key)
             self.keys.append(row)
-
-    def fan(self, k, node):
-        here = [i for i, f in enumerate(self.facets) if node in self.solid.nodes(f)]
-        found, grows = {k}, True
-        while grows:
-            more = {i for i in here if i not in found and
-                    any(self.normals[i] @ self.normals[j] >= CREASE for j in found)}
-            found, grows = found | more, bool(more)
-        return sorted(found)
 
     def direction(self, k):
         total = sum(self.normal_of[key] for key in self.keys[k][:self.solid.dim])

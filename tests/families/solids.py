@@ -8,6 +8,8 @@ import math
 
 import numpy as np
 
+CREASE = 0.7071  # facets at a node whose normals have a smaller cosine have a crease between them
+
 
 class Mesh:
     """points (n x dim), cells (n x dim + 1), facets: name -> vertices of facets, patch: numbers of the cells of a group."""
@@ -248,12 +250,88 @@ class Solid:
     def law_points(self, name, rule):
         """(weight, N, normal): N (dim x n) takes u to its value at the point."""
         out = []
-        for f in self.mesh.facets[name]:
-            size, normal = self.facet(f)
+        fans = Fans(self, self.mesh.facets[name])
+        for k, f in enumerate(fans.facets):
             for b, weight in facet_rule(self.dim, self.order, rule):
                 values = np.zeros((self.dim, self.n))
                 for node, v in zip(self.nodes(f), shapes(self.order, b)):
-                    for k in range(self.dim):
-                        values[k, self.dim * node + k] = v
-                out.append((weight * size, values, normal))
+                    for c in range(self.dim):
+                        values[c, self.dim * node + c] = v
+                out.append((weight * fans.sizes[k], values, fans.at_point(k, b, rule)))
         return out
+
+
+class Fans:
+    """Facets of a side, and normals at their nodes: means over the facets that no crease parts from each other."""
+
+    def __init__(self, solid, facets):
+        self.solid, self.facets = solid, [tuple(int(v) for v in f) for f in facets]
+        self.sizes, self.normals = zip(*(solid.facet(f) for f in self.facets))
+        self.at = {}
+        for k, f in enumerate(self.facets):
+            for node in solid.nodes(f):
+                self.at.setdefault(node, []).append(k)
+        self.corners = {}  # key -> normal
+        known = set()
+        for k, f in enumerate(self.facets):
+            for v in f:
+                fan = self.fan(k, v)
+                total = sum(self.share(i, v) * self.normals[i] for i in fan)
+                self.corners[v, fan[0]] = total / np.linalg.norm(total)
+                sides = [w for i in fan for w in self.facets[i] if w != v]
+                if len(fan) > 1 if solid.dim == 2 else all(sides.count(w) == 2 for w in sides):
+                    known.add((v, fan[0]))
+        while ends := {key: self.end(key, known) for key in self.corners if key not in known}:
+            ends = {key: end for key, end in ends.items() if end}
+            whole = any(full for _, full in ends.values())
+            for key, (normal, full) in ends.items():
+                if full == whole:
+                    self.corners[key] = normal
+                    known.add(key)
+            if not ends:
+                break
+
+    def end(self, key, known):
+        """The mean turned so that its sum with that of known neighbours is across the edge; are these in all directions?"""
+        v, m, x = key[0], self.corners[key], self.solid.mesh.points
+        rows, right = [], []
+        for i in self.fan(key[1], v):
+            for w in self.facets[i]:
+                other = (w, self.fan(i, w)[0])
+                if w != v and other in known:
+                    edge = (x[w] - x[v]) / np.linalg.norm(x[w] - x[v])
+                    rows.append(edge - edge @ m * m)
+                    right.append(-edge @ m - edge @ self.corners[other])
+        if not rows:
+            return None
+        sizes = np.linalg.svd(rows, compute_uv=False)
+        total = m + np.linalg.lstsq(np.array(rows), np.array(right), rcond=0.1)[0]
+        return total / np.linalg.norm(total), self.solid.dim == 2 or (len(sizes) > 1 and sizes[1] > 0.1 * sizes[0])
+
+    def fan(self, k, node):
+        found, grows = {k}, True
+        while grows:
+            more = {i for i in self.at[node] if i not in found and
+                    any(self.normals[i] @ self.normals[j] >= CREASE for j in found)}
+            found, grows = found | more, bool(more)
+        return sorted(found)
+
+    def share(self, i, node):
+        """Of a facet in the normal at its corner: exact on circles and balls (N. Max)."""
+        if self.solid.dim == 2:
+            return 1 / self.sizes[i]
+        a, b = (self.solid.mesh.points[v] - self.solid.mesh.points[node] for v in self.facets[i] if v != node)
+        return np.linalg.norm(np.cross(a, b)) / (a @ a) / (b @ b)
+
+    def normal(self, k, node):
+        """Of facet k at a node of it; in the middle of an edge that between its ends."""
+        f = self.facets[k]
+        ends = [node] if node in f else next(e for e in itertools.combinations(f, 2) if self.solid.edges[tuple(sorted(e))] == node)
+        total = sum(self.corners[v, self.fan(k, v)[0]] for v in ends)
+        return total / np.linalg.norm(total)
+
+    def at_point(self, k, b, rule):
+        """Of facet k at barycentric b: that of the node, where the rule's points are nodes."""
+        if rule != "nodal":
+            return self.normals[k]
+        return self.normal(k, self.solid.nodes(self.facets[k])[int(np.argmax(shapes(self.solid.order, b)))])

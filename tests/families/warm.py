@@ -17,7 +17,7 @@ import rates
 from brute import Friction, Point, Step, Unilateral
 from orientation import number
 from readings import times
-from solids import facet_rule, shapes
+from solids import Fans, facet_rule, shapes
 
 PASSES = 80  # of the reference; where it has not settled then, it has no answer
 SETTLED = 1e-13
@@ -34,8 +34,8 @@ class WarmTerm(fields.FieldTerm):
         """(weight, row of the scalar, values of u, normal) of every point."""
         solid, scalar = scene.solid, scene.scalar
         own = scalar if self.sees == "p" else solid
-        for f in scene.mesh.facets[self.part]:
-            size, normal = solid.facet(f)
+        fans = Fans(scalar.solid if self.sees == "p" else solid, scene.mesh.facets[self.part])
+        for k, f in enumerate(fans.facets):
             for b, weight in facet_rule(scene.dim, own.order, self.rule):
                 row = np.zeros(scalar.n)
                 row[scalar.solid.nodes(f)] = shapes(scalar.order, b)
@@ -43,7 +43,7 @@ class WarmTerm(fields.FieldTerm):
                 for node, shape in zip(solid.nodes(f), shapes(solid.order, b)):
                     for i in range(scene.dim):
                         values[i, solid.dofs([node])[i]] = shape
-                yield weight * size, row, values, normal
+                yield weight * fans.sizes[k], row, values, fans.at_point(k, b, self.rule)
 
     def factors(self, scene, full):
         """Of every point, from the values of all unknowns."""

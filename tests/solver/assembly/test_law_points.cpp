@@ -4,6 +4,9 @@
 #include <Eigen/SVD>
 #include <gtest/gtest.h>
 
+#include <numbers>
+#include <set>
+
 namespace hvi::solver {
 namespace {
 
@@ -138,8 +141,9 @@ TEST(LawPoints, PlanesStayPlanesWhereverTheyLie) {
       }
 }
 
-// A bend that is no rounding is kept, at any scale: five nodes, three of them on two normals.
-TEST(LawPoints, SmallBendsAreKept) {
+// A bend that is no rounding turns the normal, at any scale: by half of it at its nodes, and at the
+// ends of the side as much the other way, since there the facet is a chord.
+TEST(LawPoints, SmallBendsAreSeen) {
   for (const double scale : {1e-9, 1.0, 1e9})
     for (const double bend : {1e-10, 1e-6, 1e-2}) {
       Mesh mesh = moved_box(2, 0.0, 1.0, 0.0);
@@ -147,8 +151,66 @@ TEST(LawPoints, SmallBendsAreKept) {
         if (p[0] == 0.5 && p[1] == 0.0) p[1] -= bend;
       for (auto& p : mesh.nodes)
         for (double& v : p) v *= scale;
-      EXPECT_EQ(count_points(mesh, normal_law(2)), 8u) << scale << ' ' << bend;
+      const Space space = make_space(mesh, 1, 2);
+      const LawPoints points = assemble_law(space, group(mesh, "bottom"), normal_law(2), 0, false);
+      ASSERT_EQ(points.x.size(), 5u) << scale << ' ' << bend;
+      for (std::size_t p = 0; p < 5; ++p) {
+        const double along = std::round(4.0 * points.x[p][0] / scale);
+        const std::array<double, 5> turned{2.0, -2.0, 0.0, 2.0, -2.0};
+        EXPECT_NEAR(points.normal[p][0], bend * turned[std::size_t(along)], 1e-15 + 1e-2 * bend);
+      }
     }
+}
+
+/// A quarter of an annulus about the origin with n cells along it, in 3D with a height.
+Mesh bent_box(int dim, int n) {
+  Mesh mesh = box_mesh(dim, {n, 2, dim == 3 ? 2 : 0});
+  for (auto& p : mesh.nodes) {
+    const double r = 1.0 + p[1], angle = 0.5 * std::numbers::pi * p[0];
+    p[0] = r * std::sin(angle);
+    p[1] = r * std::cos(angle);
+  }
+  return mesh;
+}
+
+// Nodes of a side that turns have one normal, that of the circle, at its ends too.
+TEST(LawPoints, SmoothSidesHaveOneNormalAtANode) {
+  for (int dim = 2; dim <= 3; ++dim)
+    for (int order = 1; order <= 2; ++order) {
+      const int n = 6;
+      const Mesh mesh = bent_box(dim, n);
+      const Space space = make_space(mesh, order, dim);
+      const Region round = group(mesh, "bottom");
+      const LawPoints points = assemble_law(space, round, friction(dim), 0, true);
+      std::set<std::int32_t> nodes(points.node.begin(), points.node.end());
+      EXPECT_EQ(nodes.size(), points.x.size()) << dim << order;
+      EXPECT_NEAR(sum(points.weight), measure_of(mesh, round), 1e-13);
+      Point force{};
+      for (std::size_t p = 0; p < points.x.size(); ++p) {
+        const Point& x = points.x[p];
+        const double r = std::hypot(x[0], x[1]);
+        const double along = std::abs(points.normal[p][0] * x[1] - points.normal[p][1] * x[0]) / r;
+        EXPECT_NEAR(along, 0.0, 2e-3) // at ends up to the cube of a turn
+            << dim << order << " at " << x[0] << " " << x[1] << " " << x[2];
+        EXPECT_NEAR(std::hypot(points.normal[p][0], points.normal[p][1], points.normal[p][2]), 1.0,
+                    1e-15);
+        for (std::size_t i = 0; i < 3; ++i) force[i] += points.weight[p] * points.normal[p][i];
+      }
+      // The force of a constant pressure is that on the chord, up to the square of a turn.
+      EXPECT_NEAR(force[0], -1.0, 0.03);
+      EXPECT_NEAR(force[1], -1.0, 0.03);
+    }
+}
+
+// Sides that meet at a crease of more than 45 degrees keep a normal each.
+TEST(LawPoints, CreasesKeepTheirNormals) {
+  for (const double slope : {0.9, 1.1}) {
+    Mesh mesh = box_mesh(2, {2, 2, 0});
+    for (auto& p : mesh.nodes) p[1] -= slope * std::min(p[0], 0.5);
+    const Space space = make_space(mesh, 1, 2);
+    const LawPoints points = assemble_law(space, group(mesh, "bottom"), normal_law(2), 0, false);
+    EXPECT_EQ(points.x.size(), slope < 1.0 ? 3u : 4u);
+  }
 }
 
 TEST(LawPoints, InclinedSidesHaveTheirNormals) {
