@@ -376,6 +376,8 @@ bool Meshes::geometry_mesh(const ast::Mesh& m, const ast::Call& call, const std:
     auto v = evaluator_.constant(*(*args)[i], info.parameters[i]);
     good = good && v;
     spec.numbers[i] = v.value_or(0.0);
+    // A finer size that is left out is the size of all cells, which comes before it.
+    if (info.parameters[i] == "size") spec.numbers.back() = spec.numbers[i];
   }
   if (!good) return false;
   model_.mesh = spec;
