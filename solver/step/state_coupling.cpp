@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace hvi::solver {
 namespace {
@@ -501,6 +502,22 @@ void couple_states(const Problem& problem, EquationSolver& solver, Contact& cont
   StateCoupling(problem, solver, contact, tolerance, matrix, path_start, body, renew, equation,
                 trial, out)
       .run();
+}
+
+void follow_refined(EquationSolver& solver, Contact& contact, double tolerance,
+                    const StepEquation& equation, const Trial& trial) {
+  const PointStates& states = solver.laws.states;
+  Vector state = equation.known, z, wanted;
+  state.head(trial.d.size()) += trial.d;
+  StateInputs inputs;
+  states.inputs(state, &trial.d, solver.laws.now.xi, inputs);
+  if (!states.solve(inputs.values, 1.0, wanted)) return;
+  const Vector before = std::exchange(contact.state_values, wanted);
+  if (solver.laws.settle_bounds(equation.n, equation.known, trial.d, z) <= tolerance &&
+      states.error(inputs).worst <= tolerance)
+    return;
+  contact.state_values = before;
+  solver.laws.prepare(equation.n, equation.known);
 }
 
 } // namespace hvi::solver

@@ -23,4 +23,10 @@ void couple_states(const Problem& problem, EquationSolver& solver, Contact& cont
                    BodyTangent* body, const std::function<double()>& renew, StepEquation& equation,
                    Trial& trial, StepResult& out);
 
+/// Refinement of a solution moves what states at the points of laws read, by what rounding had left
+/// of it: where a state is small this is much of it. Those that follow from the refined solution
+/// are taken if it holds with them.
+void follow_refined(EquationSolver& solver, Contact& contact, double tolerance,
+                    const StepEquation& equation, const Trial& trial);
+
 } // namespace hvi::solver

@@ -108,6 +108,8 @@ StepResult StepSolver::attempt(int n, StepMatrix& matrix, bool follow, StepEquat
       laws.read_solution(n, equation.known, &trial.d);
       laws.prepare(n, equation.known);
     }
+    if (!laws.states.none() && !formulation_.changes())
+      follow_refined(equations, contact, tolerance, equation, trial);
   }
   equation.known.head(trial.d.size()) += trial.d; // now u_n
   out.inclusion = laws.inclusion(n, equation.known, trial.d, trial.z);
