@@ -134,7 +134,8 @@ Evaluator::match(const ast::Expr& e, const ast::Call& call, const std::string& c
       if (place >= names.size()) {
         mistakes_.error("E0305", argument.span,
                         fmt::format("`{}` takes {} argument{}", callee, names.size(),
-                                    names.size() == 1 ? "" : "s"));
+                                    names.size() == 1 ? "" : "s"),
+                        fmt::format("its arguments: {}", solver::joined(names)));
         return std::nullopt;
       }
     }

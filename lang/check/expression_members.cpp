@@ -61,11 +61,23 @@ Value Expressions::field_member(const ast::Expr&, const ast::Member& m, const Fi
                                 const Scope& scope) {
   const std::string& name = m.member.text;
   auto no_member = [&](const std::vector<std::string>& members) -> Value {
+    if (f.rank == 0 && (name == "nu" || name == "tau")) { // a space that is not one of vectors
+      mistakes_.error_once("." + name + " of a scalar", "E0303", m.member.span,
+                           fmt::format("{} has no member `{}`", describe(f), name),
+                           "parts along a normal are those of a vector: `space V = vector P1 on "
+                           "...`; a law on a scalar is `j^0(p; q)`");
+      return Poison{};
+    }
+    const bool matrix = f.rank == 2 && !f.law_vector;
+    const std::string along = name == "nu" || name == "tau"
+                                  ? "; the traction on a side is `dot(sigma, normal)`, in integrals"
+                                  : "";
     mistakes_.error("E0303", m.member.span, fmt::format("{} has no member `{}`", describe(f), name),
-                    members.empty() ? (f.rank == 0 && f.rows == 1 && name.size() == 1
-                                           ? "products are `*`, `:` and `dot`"
-                                           : "")
-                                    : did_you_mean(name, members));
+                    matrix ? fmt::format("its entries are `xx`, `xy`, `yy` and so on{}", along)
+                    : members.empty() ? (f.rank == 0 && f.rows == 1 && name.size() == 1
+                                             ? "products are `*`, `:` and `dot`"
+                                             : "")
+                                      : did_you_mean(name, members));
     return Poison{};
   };
   if (f.law_vector || f.rank == 0 || f.rank > 2) return no_member({});

@@ -176,12 +176,15 @@ Value Functions::differential(const ast::Expr& e, const ast::Call& c, const std:
   const bool wants_vector = name != "grad";
   if (f->law_vector || !f->laws.empty() || (wants_vector && (f->rank != 1 || f->rows != d)) ||
       f->rank > 1) {
-    mistakes_.error(
-        "E0308", (*args)[0]->span,
-        fmt::format("`{}` takes {}, not {}", name,
-                    wants_vector ? fmt::format("a vector of {}", d) : "a scalar or a vector",
-                    describe(*f)),
-        name == "eps" && f->rank == 0 ? "use `grad` of a scalar" : "");
+    const std::string what = fmt::format(
+        "`{}` takes {}, not {}", name,
+        wants_vector ? fmt::format("a vector of {}", d) : "a scalar or a vector", describe(*f));
+    if (name == "eps" && f->rank == 0) // a space that is not one of vectors is one mistake
+      mistakes_.error_once("eps of a scalar", "E0308", (*args)[0]->span, what,
+                           "use `grad` of a scalar; a displacement is of a space of vectors, "
+                           "`space V = vector P1 on ...`");
+    else
+      mistakes_.error("E0308", (*args)[0]->span, what);
     return Poison{};
   }
   auto g = total_gradient(e.span, *f);

@@ -7,6 +7,17 @@ namespace hvi::lang {
 
 void Mistakes::error(std::string_view code, const Span& span, std::string message, std::string help,
                      std::string label) {
+  diagnostics_.add(told(code, span, std::move(message), std::move(help), std::move(label)));
+}
+
+void Mistakes::error_once(const std::string& what, std::string_view code, const Span& span,
+                          std::string message, std::string help) {
+  diagnostics_.add_once(what, told(code, span, std::move(message), std::move(help), {}));
+}
+
+/// At the call in the script, where the mistake is met in a module.
+Diagnostic Mistakes::told(std::string_view code, const Span& span, std::string message,
+                          std::string help, std::string label) const {
   Span place = span;
   if (in_library(span))
     for (const OpenCall& open : calls_)
@@ -16,7 +27,7 @@ void Mistakes::error(std::string_view code, const Span& span, std::string messag
   tell_calls(place, d);
   d.help = std::move(help);
   d.label = std::move(label);
-  diagnostics_.add(std::move(d));
+  return d;
 }
 
 /// What a function is given may be what is wrong in it: the call, and the calls that lead to it.

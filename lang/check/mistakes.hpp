@@ -20,6 +20,9 @@ public:
 
   void error(std::string_view code, const Span& span, std::string message, std::string help = {},
              std::string label = {});
+  /// The first time only, for each `what`.
+  void error_once(const std::string& what, std::string_view code, const Span& span,
+                  std::string message, std::string help);
   void add(Diagnostic diagnostic) { diagnostics_.add(std::move(diagnostic)); }
   void add_once(const std::string& what, Diagnostic diagnostic) {
     diagnostics_.add_once(what, std::move(diagnostic));
@@ -37,6 +40,8 @@ private:
   struct OpenCall {
     Span call, body;
   };
+  Diagnostic told(std::string_view code, const Span& span, std::string message, std::string help,
+                  std::string label) const;
   void tell_calls(const Span& place, Diagnostic& diagnostic) const;
   bool in_library(const Span& place) const;
 

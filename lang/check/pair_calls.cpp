@@ -44,7 +44,11 @@ Value PairCalls::gap_call(const ast::Expr& e, const ast::Call& c, const Scope& s
   const auto* name = std::get_if<ast::Reference>(&(*args)[0]->node);
   const auto part = name ? parts_.index_of({name->name, (*args)[0]->span}) : std::nullopt;
   if (name && !part) return Poison{};
-  if (!part || !pairs_.is_pair(*part)) {
+  if (part && !pairs_.is_pair(*part)) {
+    pairs_.refuse_no_pair((*args)[0]->span, "a gap", *part);
+    return Poison{};
+  }
+  if (!part) {
     mistakes_.error("E0441", (*args)[0]->span, "a gap is that of a pair, by its name",
                     "`part seam = pair(upper.bottom, lower.top)`, then `gap(seam)`");
     return Poison{};

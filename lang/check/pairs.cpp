@@ -102,18 +102,21 @@ bool Pairs::refuse(int part, const Span& span, const std::string& what) {
   return true;
 }
 
+/// However many laws, jumps and gaps stand on it: a part that is no pair is one mistake.
+void Pairs::refuse_no_pair(const Span& span, const std::string& what, int part) const {
+  const std::string& name = model_.parts[static_cast<std::size_t>(part)].name;
+  mistakes_.error_once("no pair: " + name, "E0441", span,
+                       fmt::format("{} on `{}`, which is no pair", what, name),
+                       "jumps, means of both sides and gaps are known on a pair: `part seam = "
+                       "pair(upper.bottom, lower.top)`");
+}
+
 bool Pairs::take_jumps(const Span& span, std::vector<Symbol>& components, int part) {
   const Reads reads = reads_of(components);
   const std::string& u = unknowns_.name_of(0);
   if (!is_pair(part)) {
     if (!reads.jumps && !reads.gap) return true;
-    if (part >= 0)
-      mistakes_.error("E0441", span,
-                      fmt::format("{} on `{}`, which is no pair",
-                                  reads.jumps ? "a jump or a mean" : "a gap",
-                                  model_.parts[static_cast<std::size_t>(part)].name),
-                      "jumps, means of both sides and gaps are known on a pair: `part seam = "
-                      "pair(upper.bottom, lower.top)`");
+    if (part >= 0) refuse_no_pair(span, reads.jumps ? "a jump or a mean" : "a gap", part);
     return false;
   }
   const std::string& pair = model_.parts[static_cast<std::size_t>(part)].name;

@@ -31,6 +31,8 @@ public:
   /// Of an expression on a part (-1: unknown): on a pair jumps become values; jumps elsewhere,
   /// values on a pair and gaps of others are reported.
   bool take_jumps(const Span& span, std::vector<Symbol>& components, int part);
+  /// Reports, once for each part, that it is no pair.
+  void refuse_no_pair(const Span& span, const std::string& what, int part) const;
   /// Of a probe at a point: on the pair that has the point.
   bool take_jumps_at_point(const Span& span, Symbol& expression, solver::Probe& probe);
   /// True (reported) where the part is a pair.

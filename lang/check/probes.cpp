@@ -18,7 +18,8 @@ bool has_probes(const Symbol& value) {
 std::optional<int> Probes::reported_part(const ast::Expr& e, const std::string& what) {
   const auto* name = std::get_if<ast::Reference>(&e.node);
   if (name) return parts_.index_of({name->name, e.span});
-  mistakes_.error("E0306", e.span, fmt::format("{} is over a part, by its name", what));
+  mistakes_.error("E0306", e.span, fmt::format("{} is over a part, by its name", what),
+                  "the part comes first; `part p = ...` declares one");
   return std::nullopt;
 }
 
@@ -27,6 +28,7 @@ std::optional<Probe> Probes::probe_on_part(const ast::Expr& e, const std::string
                                            const ast::Expr& on, const ast::Expr& of,
                                            const Scope& scope) {
   const auto part = reported_part(on, what);
+  if (!part && !std::holds_alternative<ast::Reference>(on.node)) return std::nullopt;
   Scope inner = scope;
   inner.part = part.value_or(-1);
   const auto kind = part ? model_.parts[*part].kind : std::nullopt;

@@ -122,9 +122,13 @@ void Cursor::fail_unclosed(const Token& open, TokenKind close) {
   if (line_ends) fail_not_closed(open, close);
   const bool separated = close != TokenKind::semicolon && open.kind != TokenKind::clarke;
   const std::string expected = separated ? "`,`, an operator or " + wanted : wanted;
+  const bool place = at_word("at") && statement_word() == TokenKind::report;
   fail(diagnose("E0201", peek().span, "expected " + expected + ", " + found(peek()))
            .with_label("expected " + expected)
-           .with_secondary(open.span, "opened here"));
+           .with_secondary(open.span, "opened here")
+           .with_help(place ? "`at` stands behind a whole column, `a = u.y/2 at [1, 0]`, which is "
+                              "of one place: what is of two are two columns"
+                            : ""));
 }
 
 void Cursor::fail_not_closed(const Token& open, TokenKind close) {

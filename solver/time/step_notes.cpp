@@ -152,26 +152,32 @@ void note_negative_bounds(const RunState& run, int n, const Plan& plan, RunResul
   const ReducedProblem& problem = contact.problem;
   const double rounding = plan.options.tolerance * run.xi().lpNorm<Eigen::Infinity>();
   std::vector<double> least(plan.problem.law_terms.size(), 0.0);
+  std::vector<bool> pressed(least.size(), false); // where the bound is least
   for (const CoupledPoint& q : problem.coupled) {
     const ContactPoint& point = problem.points[q.point];
     const Law& law = *problem.laws[point.law];
     const double bound = force_at_zero(law, problem.graphs[point.graph]);
     auto& of_term = least[point.application];
-    of_term = std::min(of_term, bound);
+    if (!(bound < of_term)) continue;
+    of_term = bound;
+    pressed[point.application] = run.xi()[q.row] > rounding;
   }
   for (std::size_t i = 0; i < least.size(); ++i) {
     if (!(least[i] < -rounding)) continue;
     const LawTerm& term = plan.problem.law_terms[i];
     const LawSpec& law = contact.laws[term.law]->spec();
-    const auto what =
-        fmt::format("the bound of `{}` is below 0 where `{}` pulls", law.name, law.coupled);
+    const auto what = fmt::format("the bound of `{}` is below 0 where `{}` {}", law.name,
+                                  law.coupled, pressed[i] ? "presses" : "pulls");
     const auto said = [&](const auto& note) { return note.what.starts_with(what); };
     if (std::ranges::any_of(result.notes, said)) continue;
     result.notes.push_back(
         {n, run.evolution.t(),
          fmt::format("{} (down to {:.3g}): friction drives what slides there, and there may be "
-                     "other solutions; `max({}.xi, 0)` in place of `{}.xi` avoids it",
-                     what, least[i], law.coupled, law.coupled),
+                     "other solutions; {}",
+                     what, least[i],
+                     pressed[i] ? std::string("a coefficient of friction is positive")
+                                : fmt::format("`max({0}.xi, 0)` in place of `{0}.xi` avoids it",
+                                              law.coupled)),
          term.origin});
   }
 }

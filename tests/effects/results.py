@@ -986,6 +986,11 @@ report
             notes = json.loads((folder / "told.json").read_text())["notes"]
             said = [note["step"] for note in notes if note["what"].startswith("the bound of `slip` is below 0 where `layer` pulls")]
             assert said == [1] * expected, (slip, pull, bound, notes)
+            if (pull, bound) != (-1, "layer.xi"):
+                continue
+            run(folder, text.replace("0.3*layer.xi", "-0.3*layer.xi"), "--json", folder / "told.json")
+            notes = json.loads((folder / "told.json").read_text())["notes"]
+            assert any("`layer` presses" in note["what"] and "a coefficient of friction is positive" in note["what"] for note in notes), notes
 
 
 def main():

@@ -39,7 +39,17 @@ TEST(Mistakes, AStrainOfAScalarIsToldToBeAGradient) {
                                       "integral(body, eps(x) : eps(v)) + integral(body, B : "
                                       "eps([x, y, x]) : eps(v))"));
   EXPECT_EQ(script.errors, (Codes{"E0308", "E0308"}));
-  EXPECT_EQ(script.helps, (Codes{"use `grad` of a scalar", ""}));
+  EXPECT_EQ(script.helps, (Codes{"use `grad` of a scalar; a displacement is of a space of vectors, "
+                                 "`space V = vector P1 on ...`",
+                                 ""}));
+}
+
+TEST(Mistakes, StrainsAndNormalPartsOfScalarsAreToldOnce) {
+  const auto script =
+      checked(problem(2, tensor + "part side = body.left\n", left,
+                      "integral(body, eps(x) : eps(v)) + integral(body, B : eps(y) : eps(v)) + "
+                      "integral(side, x.nu*v.nu) + integral(side, y.nu*v.nu)"));
+  EXPECT_EQ(script.errors, (Codes{"E0308", "E0303"}));
 }
 
 TEST(Mistakes, WhatGoesWrongInAFunctionIsToldWithTheCallsThatLeadThere) {
