@@ -185,29 +185,61 @@ ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperat
   force_of.setFromTriplets(weights.begin(), weights.end());
 }
 
+namespace {
+
+/// Which unknowns move in a probe, by the one of several unknowns to which they belong: only those
+/// with laws are probed, each alone. Together one would be noise in the answer of the others, as
+/// large as their units are apart. Where all unknowns are here (iterations), only those that laws
+/// see: the others would be noise, too.
+std::vector<std::vector<char>> probed_unknowns(const ContactPoints& points) {
+  const auto n = static_cast<std::size_t>(points.unknowns);
+  std::vector<char> seen(n, 0);
+  for (int row = 0; row < points.rows; ++row)
+    for (SparseMatrix::InnerIterator it(points.g, row); it; ++it) seen[it.col()] = 1;
+  const auto& of_unknown = points.problem.of_unknown;
+  if (of_unknown.empty()) return {points.by_iterations ? seen : std::vector<char>(n, 1)};
+  std::vector<std::vector<char>> out;
+  for (std::uint8_t b = 0; b < slot::most_unknowns; ++b) {
+    std::vector<char> moves(n, 0);
+    bool with_laws = false;
+    for (std::size_t i = 0; i < n; ++i) {
+      with_laws = with_laws || (of_unknown[i] == b && seen[i] != 0);
+      moves[i] = of_unknown[i] == b && (!points.by_iterations || seen[i] != 0) ? 1 : 0;
+    }
+    if (with_laws) out.push_back(std::move(moves));
+  }
+  return out;
+}
+
+/// Entries +-1, so many columns for each unknown with laws.
+DenseMatrix probes_of(const ContactPoints& points, int each) {
+  const auto moving = probed_unknowns(points);
+  DenseMatrix out(points.unknowns, each * std::ssize(moving));
+  for (std::size_t b = 0; b < moving.size(); ++b) {
+    auto probe = out.middleCols(static_cast<Eigen::Index>(b) * each, each);
+    std::uint32_t random = 12345;
+    for (double& v : probe.reshaped()) {
+      random = random * 1664525u + 1013904223u;
+      v = random >> 31 ? 1.0 : -1.0;
+    }
+    for (int i = 0; i < points.unknowns; ++i)
+      if (moving[b][static_cast<std::size_t>(i)] == 0) probe.row(i).setZero();
+  }
+  return out;
+}
+
+} // namespace
+
 /// How far the body gives way at the point when nothing else is held. With a smaller gamma, points
 /// that slip overshoot the range where they would stick. The diagonal of S^-1 by eight probes with
 /// entries +-1 (Hutchinson, Bekas): the size is all that matters.
 void ContactPoints::estimate_compliance(ReducedOperator& s, const SparseMatrix& zero) {
   if (size() == 0) return;
-  // Where all unknowns are here, those that no law sees would only add noise.
-  const bool all = by_iterations;
-  const int probes = all ? 2 : 8;
-  std::vector<char> seen(static_cast<std::size_t>(unknowns), all ? 0 : 1);
-  if (all)
-    for (int row = 0; row < rows; ++row)
-      for (SparseMatrix::InnerIterator it(g, row); it; ++it) seen[it.col()] = 1;
-  DenseMatrix probe(unknowns, probes);
-  std::uint32_t random = 12345;
-  for (double& v : probe.reshaped()) {
-    random = random * 1664525u + 1013904223u;
-    v = random >> 31 ? 1.0 : -1.0;
-  }
-  for (int i = 0; i < unknowns; ++i)
-    if (seen[i] == 0) probe.row(i).setZero();
+  const int each = by_iterations ? 2 : 8;
+  const DenseMatrix probe = probes_of(*this, each);
   DenseMatrix answer = probe;
   if (!s.estimate_alone(zero, answer)) return;
-  const Vector flexibility = probe.cwiseProduct(answer).rowwise().sum() / probes;
+  const Vector flexibility = probe.cwiseProduct(answer).rowwise().sum() / each;
   if (!flexibility.allFinite()) return;
   for (PointData& q : data) {
     double compliance = 0.0;

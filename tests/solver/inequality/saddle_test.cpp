@@ -1,6 +1,7 @@
 // Laws on unknowns that have no stiffness of their own, such as the pressure of an incompressible
 // fluid: with all unknowns kept, against the same problem after the others are eliminated.
 #include "problems.hpp"
+#include "solver/inequality/stiffness.hpp"
 #include "solver/linear/own_stiffness.hpp"
 
 #include <gtest/gtest.h>
@@ -66,6 +67,35 @@ TEST(Saddle, LawsOnUnknownsWithoutStiffness) {
       ASSERT_TRUE(on_p.solve(problem.reduced, p).converged) << seed << " " << unit;
       EXPECT_LE((all.c.tail(of_p) - p.c).norm(), 1e-8 * p.c.norm()) << seed << " " << unit;
     }
+}
+
+/// How far the body gives way at points of u, where the pressure p is in other units.
+std::vector<double> compliances(unsigned seed, double unit) {
+  std::mt19937 random(seed);
+  Bench bench;
+  bench.s = Saddle(random, unit).k;
+  const int law = bench.slope(Expr(1.0), true);
+  for (int p = 0; p + 1 < of_u; ++p) bench.point(law, 0.7, {{{p, 1.0}}, {{p + 1, 1.0}, {p, 0.5}}});
+  bench.finish();
+  for (int i = 0; i < of_u + of_p; ++i) bench.problem.of_unknown.push_back(i < of_u ? 0 : 1);
+  const SparseMatrix k = bench.s.sparseView();
+  const auto op = sparse_operator(k, false);
+  ContactPoints points(bench.problem, *op);
+  points.estimate_compliance(*op, StiffnessPattern(points).zero());
+  std::vector<double> out;
+  for (const PointData& q : points.data) out.push_back(q.gamma);
+  return out;
+}
+
+TEST(Saddle, UnitsOfThePressureDoNotChangeHowFarTheBodyGivesWay) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const auto plain = compliances(seed, 1.0);
+    for (const double unit : {1e-8, 1e-4, 1e4, 1e8}) {
+      const auto other = compliances(seed, unit);
+      for (std::size_t p = 0; p < plain.size(); ++p)
+        EXPECT_NEAR(other[p], plain[p], 1e-6 * plain[p]) << seed << " " << unit;
+    }
+  }
 }
 
 TEST(Saddle, StiffnessThatTheOthersLeave) {
