@@ -42,6 +42,9 @@ public:
   AugmentedLaws laws;
 
 private:
+  struct Place {
+    Vector c, z;
+  };
   struct Line { ///< c + t direction, from where z and S c are these
     Vector direction, s_direction, z_direction, z, s_c;
   };
@@ -106,6 +109,7 @@ MethodOutcome AugmentedProblem::minimise(const InequalityOptions& options,
   w_.balance.product.update(w_.c);
   w_.update_arguments();
   double best = std::numeric_limits<double>::infinity();
+  Place nearest; // where least was left
   Line line;
   for (int k = 0, in_vain = 0; k < options.max_iterations; ++k) {
     if (options.before_iteration) options.before_iteration();
@@ -113,8 +117,11 @@ MethodOutcome AugmentedProblem::minimise(const InequalityOptions& options,
     const double ratio = errors.worst;
     if (ratio <= w_.balance.target()) return MethodOutcome::solved;
     in_vain = ratio <= 0.5 * best ? 0 : in_vain + 1;
-    best = std::min(best, ratio);
-    if (best <= nearly_solved && in_vain >= patience) return MethodOutcome::failed; // at rounding
+    if (ratio < best) best = ratio, nearest = {w_.c, w_.z};
+    if (best <= nearly_solved && in_vain >= patience) { // at rounding
+      w_.c = nearest.c, w_.z = nearest.z;
+      return best <= options.tolerance ? MethodOutcome::solved : MethodOutcome::failed;
+    }
     if (!factor_.make(laws.d, report)) return MethodOutcome::indefinite;
     if (const IterativeOperator* by_iterations = op.iterative())
       by_iterations->solve_for_direction(errors.left, line.direction);
@@ -202,6 +209,16 @@ bool within_components(const Position& at) {
   return true;
 }
 
+/// Do the laws hold with the multipliers of the place, which are in `trial` then? Where gamma
+/// cannot be `finest` any more, arguments get no nearer to their breaks than that, or ever more
+/// slowly (and earlier and larger steps may have left more rounding in them than this one makes):
+/// they are taken to be as near as the certificate of the run asks.
+bool acceptable(Position& at, bool finest, double tolerance, Vector& trial) {
+  return certain_multipliers(at, Snap::certificate, trial) <= tolerance ||
+         (finest && (certain_multipliers(at, tolerance, trial) <= tolerance ||
+                     likely_multipliers(at, tolerance, trial) <= tolerance));
+}
+
 MethodOutcome solve_convex_parts(Position& at, LastFactor& factor, ActiveSetNewton& newton,
                                  const std::vector<RiseAndFall>* parts,
                                  const InequalityOptions& options, InequalityReport& report) {
@@ -210,6 +227,7 @@ MethodOutcome solve_convex_parts(Position& at, LastFactor& factor, ActiveSetNewt
   AugmentedProblem f(at, factor, parts);
   if (!f.choose_theta(report)) return MethodOutcome::indefinite;
   double least = smallest_gamma;
+  bool finest = false; // was gamma as small as it may be?
   Vector trial;
   RunningAway running(at);
   for (int outer = 0; outer < 80; ++outer) {
@@ -227,8 +245,7 @@ MethodOutcome solve_convex_parts(Position& at, LastFactor& factor, ActiveSetNewt
     f.laws.hand_over(at);
     // Where multipliers are not unique (more points than unknowns) Newton's states may never
     // settle.
-    if (inner == MethodOutcome::solved &&
-        certain_multipliers(at, Snap::certificate, trial) <= options.tolerance) {
+    if (inner == MethodOutcome::solved && acceptable(at, finest, options.tolerance, trial)) {
       at.xi = trial;
       return MethodOutcome::solved;
     }
@@ -239,11 +256,9 @@ MethodOutcome solve_convex_parts(Position& at, LastFactor& factor, ActiveSetNewt
       least = shrink = std::min(1.0, shrink * step_of_gamma);
     else
       shrink = std::max(shrink / step_of_gamma, least);
+    finest = finest || shrink == least;
   }
-  // Earlier and larger steps may have left more rounding in the arguments than this one makes: laws
-  // that cannot all rest at once then slip by it. The certificate of the run is as generous.
-  if (certain_multipliers(at, options.tolerance, trial) > options.tolerance)
-    return MethodOutcome::failed;
+  if (!acceptable(at, true, options.tolerance, trial)) return MethodOutcome::failed;
   at.xi = trial;
   return MethodOutcome::solved;
 }

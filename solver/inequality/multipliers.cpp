@@ -9,6 +9,9 @@ namespace hvi::solver {
 
 namespace {
 
+/// Of a multiplier.
+constexpr double rounding_of_inclusion = 1e-14;
+
 /// A slope of the point's component; at an end of the piece that the point is on that of this
 /// piece, not of its neighbour. One that stands for infinity is no multiplier: a state with it is
 /// no solution.
@@ -74,23 +77,51 @@ bool balance_point(const Position& at, int p, const Vector& residual, Vector& tr
   const Small zp = q.of(at.z);
   const double distance =
       inclusion_distance(law.law(), law.graph(), zp.data(), value.data(), q.rows, at.snap(p));
-  if (!(distance <= 1e-14 * norm(value))) return false;
+  if (!(distance <= rounding_of_inclusion * norm(value))) return false;
   q.put(trial, value);
   return value != before;
 }
 
-double certain_multipliers(Position& at, double snap_factor, Vector& trial) {
+namespace {
+
+/// Does the law turn far more stiffly than the body, and is xi on its graph as far as z is known?
+bool may_be_tracked(const Position& at, int p) {
+  const PointData& q = at.points[p];
+  const PreparedLaw& law = at.points.law(p);
+  if (!law.radial() || q.given) return false;
+  const Small z = q.of(at.z), xi = q.of(at.xi);
+  const double size = norm(xi);
+  return size * q.local > PointData::far_stiffer * norm(z) &&
+         inclusion_distance(law.law(), law.graph(), z.data(), xi.data(), q.rows, at.snap(p)) <=
+             rounding_of_inclusion * size;
+}
+
+/// The worst ratio with `of`(p) of all points in `trial`.
+template <class Of>
+double balanced_ratio(Position& at, double snap_factor, Vector& trial, const Of& of) {
   const ContactPoints& points = at.points;
   at.balance.product.update(at.c);
   at.snap.update(at.c, at.balance, snap_factor);
   trial.resize(points.rows);
-  for (int p = 0; p < points.size(); ++p) points[p].put(trial, certain_multiplier(at, p));
+  for (int p = 0; p < points.size(); ++p) points[p].put(trial, of(p));
   const Errors& errors = at.balance.errors(at.c, trial);
   bool balanced = false;
   for (int p = 0; p < points.size(); ++p)
     if (points[p].exclusive && at.places.resting(p))
       balanced = balance_point(at, p, errors.left, trial) || balanced;
   return balanced ? at.balance.errors(at.c, trial).worst : errors.worst;
+}
+
+} // namespace
+
+double certain_multipliers(Position& at, double snap_factor, Vector& trial) {
+  return balanced_ratio(at, snap_factor, trial, [&](int p) { return certain_multiplier(at, p); });
+}
+
+double likely_multipliers(Position& at, double snap_factor, Vector& trial) {
+  return balanced_ratio(at, snap_factor, trial, [&](int p) {
+    return may_be_tracked(at, p) ? at.points[p].of(at.xi) : certain_multiplier(at, p);
+  });
 }
 
 } // namespace hvi::solver

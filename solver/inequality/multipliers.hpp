@@ -14,5 +14,8 @@ bool balance_point(const Position& at, int p, const Vector& residual, Vector& tr
 /// them. Points that rest and have their unknowns to themselves take what their equations leave
 /// them, exactly. Updates S c and the snaps.
 double certain_multipliers(Position& at, double snap_factor, Vector& trial);
+/// The same, but where rounding of z hides which way a point slips, the search's own multiplier
+/// stays if that is as near to the law as anybody can tell.
+double likely_multipliers(Position& at, double snap_factor, Vector& trial);
 
 } // namespace hvi::solver

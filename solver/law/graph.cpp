@@ -112,9 +112,13 @@ double inclusion_distance(const Law& law, const LawGraph& graph, const double* z
   for (int k = 0; k < rows; ++k) along += xi[k] * (z[k] / r);
   std::array<double, slot::most_arguments> across; // as many as there are rows
   for (int k = 0; k < rows; ++k) across[k] = xi[k] - along * (z[k] / r);
-  // The direction of z is known up to snap / r.
-  const double sideways = above_zero(length_of(across.data(), rows) - std::abs(along) * snap / r);
-  return std::min(best, std::hypot(scalar_distance(law, graph, r, along, snap, 0.0), sideways));
+  const double sideways = length_of(across.data(), rows), size = std::hypot(along, sideways);
+  // z is known up to snap, and so up to a turn that moves it as far.
+  const double known = 2.0 * std::asin(std::min(1.0, 0.5 * snap / r));
+  const double off = above_zero(std::atan2(sideways, std::abs(along)) - known);
+  const double turned = std::copysign(size * std::cos(off), along);
+  return std::min(
+      best, std::hypot(scalar_distance(law, graph, r, turned, snap, 0.0), size * std::sin(off)));
 }
 
 } // namespace hvi::solver

@@ -179,6 +179,24 @@ TEST(Law, AsMuchIsKnownOfARestingVectorAsOfANumber) {
   EXPECT_EQ(inclusion_distance(rises, rises.graph({}, 0.0), still, most, 2, near), 0.5);
 }
 
+/// A slow slip, whose direction is known up to a turn that moves it by `snap`: a slope that has
+/// turned so is on the graph, one that has turned more is as far from it as from the last of these.
+TEST(Law, ASlowSlipMayTurnAsFarAsItIsKnown) {
+  const Law pulls = slope_law("pulls", Expr(-3.0), true), rubs = slope_law("rubs", Expr(3.0), true);
+  const double snap = 1e-12, r = 4e-12, most = 2.0 * std::asin(0.5 * snap / r);
+  const double z[3] = {0.6 * r, 0.0, -0.8 * r}, aside[3] = {0.8, 0.0, 0.6};
+  for (const Law* law : {&rubs, &pulls})
+    for (const double turn : {0.0, 1e-9, 0.1, 0.999 * most, 1.5 * most, 1.0}) {
+      const double slope = law == &rubs ? 3.0 : -3.0;
+      double xi[3];
+      for (int k = 0; k < 3; ++k)
+        xi[k] = slope * (std::cos(turn) * z[k] / r + std::sin(turn) * aside[k]);
+      const double further = std::max(0.0, turn - most);
+      EXPECT_NEAR(inclusion_distance(*law, law->graph({}, 0.0), z, xi, 3, snap),
+                  6.0 * std::sin(0.5 * further), 1e-14);
+    }
+}
+
 TEST(Law, DropsFalseBreaks) {
   const Expr r = arg();
   const Law law = slope_law("seam", select(less(r, Expr(1.0)), r * Expr(2.0), r * Expr(2.0)) +
