@@ -19,12 +19,14 @@ namespace {
 /// By unknown: has a form it in it, or its test function; has a form or law its rate?
 struct Occurrences {
   std::array<bool, slot::most_unknowns> acts{}, tested{}, rate{};
+  std::array<std::string, slot::most_unknowns> law{}; ///< one that sees its gradient
 
   void add(const ModelTerm& term) {
     if (term.integrand.laws.empty() && term.factor.is(0.0)) return;
     for (const LawUse& use : term.integrand.laws) {
       const auto b = static_cast<std::size_t>(use.unknown);
       rate[b] = rate[b] || use.field == solver::field_of_u(1);
+      if (use.sees_gradient()) law[b] = use.name;
     }
     for (const solver::Slot s : solver::slots_of(term.integrand.scalar())) {
       if (slot::is_test(s))
@@ -43,12 +45,19 @@ bool has_initial_state(const ast::Find& find, const std::string& unknown) {
   });
 }
 
-/// What is mostly left out.
-std::string form_for(const ast::Unknown& u, bool vector) {
+/// What is mostly left out. A law of its gradient may determine the unknown, as a power law does:
+/// the form that a matrix is made of is a part of it then.
+std::string form_for(const ast::Unknown& u, bool vector, const std::string& law) {
   const std::string &of = u.unknown.text, &test = u.test.text;
-  return vector
-             ? fmt::format("add the elasticity: `integral(body, B : eps({}) : eps({}))`", of, test)
-             : fmt::format("add a form: `integral(body, dot(grad({}), grad({})))`", of, test);
+  const std::string form = vector ? fmt::format("eps({}) : eps({})", of, test)
+                                  : fmt::format("dot(grad({}), grad({}))", of, test);
+  if (!law.empty())
+    return fmt::format(
+        "add a form; where `{}` alone is meant, `m*{}` in a form and `- m/2*norm(xi)^2` "
+        "in the law leave it as it is, for any m > 0",
+        law, form);
+  return vector ? fmt::format("add the elasticity: `integral(body, B : {})`", form)
+                : fmt::format("add a form: `integral(body, {})`", form);
 }
 
 } // namespace
@@ -63,7 +72,7 @@ void FormChecks::check_clauses(const ast::Find& find) {
     if (!found.acts[b])
       mistakes_.error("E0425", place,
                       fmt::format("no form acts on the unknown `{}`: nothing determines it", u),
-                      form_for(find.unknowns[b], all[b].vector));
+                      form_for(find.unknowns[b], all[b].vector, found.law[b]));
     else if (!found.tested[b])
       mistakes_.error(
           "E0425", place,

@@ -239,16 +239,19 @@ std::optional<int> LawApplications::superpotential_of(const ast::Clarke& clarke,
 bool LawApplications::is_pair_of_law(const ast::Clarke& clarke, const std::string& law,
                                      const Field& at, const Field& direction) {
   const std::string u = unknowns_.name_of(0), v = find_->unknowns.front().test.text;
+  const std::string right = unknowns_.is_vector(0)
+                                ? fmt::format("write `{}^0({}.nu; {}.nu)`", law, u, v)
+                                : fmt::format("write `{}^0({}; {})`", law, u, v);
   if (at.trial == Degree::none || at.test != Degree::none) {
+    const bool swapped = at.test != Degree::none && direction.trial != Degree::none;
     mistakes_.error("E0414", clarke.at->span,
                     fmt::format("the argument of `{}` does not contain `{}`", law, u),
-                    fmt::format("write `{}^0({}.nu; {}.nu)`", law, u, v));
+                    swapped ? "the unknown stands first, the test function behind it" : right);
     return false;
   }
   if (direction.test != Degree::linear || direction.trial != Degree::none) {
     mistakes_.error("E0401", clarke.direction->span,
-                    fmt::format("the direction of `{}` is linear in `{}`", law, v),
-                    fmt::format("write `{}^0({}.nu; {}.nu)`", law, u, v));
+                    fmt::format("the direction of `{}` is linear in `{}`", law, v), right);
     return false;
   }
   const bool same = same_shape(at, direction);

@@ -143,7 +143,9 @@ std::optional<Field> Memories::history_argument(const ast::Expr& e, const ast::E
   if (of->rate) {
     mistakes_.error(
         "E0403", argument.span, "the memory of the theory is of the unknown, not of its rate",
-        "integrate by parts in time: a kernel of u' is its derivative as a kernel of u");
+        "integrate by parts in time: int q(t - s) u'(s) ds = q(0)*u - q(t)*u0 + "
+        "history(derivative of q, u); a kernel that is infinite at the lag 0 needs the rate as "
+        "unknown, whose memory the displacement is (docs/how_to.md, a fractional viscosity)");
     return std::nullopt;
   }
   if (of->trial != Degree::linear || of->test != Degree::none) {

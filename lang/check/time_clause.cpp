@@ -1,8 +1,11 @@
 #include "lang/check/time_clause.hpp"
 
+#include "lang/diag/suggest.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -86,6 +89,16 @@ bool TimeClause::is_static_start(const ast::InitialValue& initial) const {
   return name && name->name == "static" && !initial.rate && names_.find("static") < 0;
 }
 
+/// `u = statik` (reported), where nothing of the script has that name.
+bool TimeClause::misspells_static(const ast::InitialValue& initial) {
+  const auto* name = std::get_if<ast::Reference>(&initial.value.node);
+  if (!name || initial.rate || names_.find(name->name) >= 0) return false;
+  const std::string near = did_you_mean(name->name, std::array<std::string_view, 1>{"static"});
+  if (near.empty()) return false;
+  mistakes_.error("E0301", initial.value.span, fmt::format("unknown name `{}`", name->name), near);
+  return true;
+}
+
 /// All unknowns together are in equilibrium.
 void TimeClause::check_static_start(const ast::Find& find) {
   if (!model_.starts_at_rest) return;
@@ -128,6 +141,7 @@ void TimeClause::initial_state(const ast::Find& find) {
       model_.starts_at_rest = true;
       continue;
     }
+    if (misspells_static(initial)) continue;
     const auto value = initial_value(initial, unknown);
     if (!value) continue;
     (initial.rate ? model_.time.velocity_origin : model_.time.origin) = model_.origin(initial.span);

@@ -19,6 +19,7 @@ public:
 private:
   void time_grid(const ast::TimeClause& clause);
   bool is_static_start(const ast::InitialValue& initial) const;
+  bool misspells_static(const ast::InitialValue& initial);
   void check_static_start(const ast::Find& find);
   void initial_state(const ast::Find& find);
   std::optional<std::vector<Symbol>> initial_value(const ast::InitialValue& initial, int unknown);

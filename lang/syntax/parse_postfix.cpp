@@ -55,6 +55,10 @@ ast::Expr ExpressionParser::primary() {
   if (is_statement_word(cursor_.peek().kind) && !cursor_.peek().first_on_line) return reference();
   if (cursor_.at(TokenKind::bar) && cursor_.peek().first_on_line)
     cursor_.fail_at_line_end("an expression");
+  if (cursor_.at(TokenKind::plus))
+    cursor_.fail(diagnose("E0201", cursor_.peek().span, "expected an expression, found `+`")
+                     .with_label("expected an expression")
+                     .with_help("leave it out"));
   cursor_.fail_expected("an expression");
 }
 

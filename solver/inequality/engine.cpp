@@ -18,12 +18,11 @@ std::string verdict(MethodOutcome outcome, const InequalityReport& report, doubl
   if (outcome == MethodOutcome::indefinite)
     return "the step has no stable solution near the last one: its operator is not positive "
            "definite " +
-           numbers + "; take smaller steps, or `branch = release`";
+           numbers + "; `branch = release` releases points at once";
   if (outcome == MethodOutcome::solved)
     return "the problem is too ill-conditioned for this tolerance " + numbers +
            "; look for stiffnesses or sizes many decades apart";
-  return "the iterations do not settle, with the globally convergent method too, " + numbers +
-         "; take smaller steps";
+  return "the iterations do not settle, with the globally convergent method too, " + numbers;
 }
 
 /// Does no law act, neither with a force nor with a stiffness?

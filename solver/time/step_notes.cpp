@@ -247,8 +247,13 @@ void refuse_step(const StepResult& step, int n, const RunState& run, const Plan&
           plan.problem.states.empty() ? "" : fmt::format("state error {:.2e}, ", step.states.worst),
           plan.options.tolerance, step.inequality.verdict.empty() ? "" : "; ",
           step.inequality.verdict),
-      "a smaller step, or a law that softens less, makes the step's problem convex; "
-      "`check` prints the step margin");
+      grid.is_static()
+          ? "bring the load on in steps, each of which begins at the last one's solution: `for t "
+            "in "
+            "[0, 1] by 10 steps from u = 0`, loads and imposed values times t; a law that softens "
+            "less makes the problem convex, `check` prints the step margin"
+          : "a smaller step, or a law that softens less, makes the step's problem convex; "
+            "`check` prints the step margin");
 }
 
 } // namespace hvi::solver

@@ -52,6 +52,41 @@ TEST(Mistakes, StrainsAndNormalPartsOfScalarsAreToldOnce) {
   EXPECT_EQ(script.errors, (Codes{"E0308", "E0303"}));
 }
 
+TEST(Mistakes, WhatTheUnknownAndTheTestFunctionAreAtInALaw) {
+  const auto helps = [](const std::string& space, const std::string& form, const std::string& law) {
+    return checked(
+               "mesh body = interval(1, cells = 2)\npart end = body.right\npart start = body.left\n"
+               "superpotential j(r) = r^2\nspace V = " +
+               space + " P1 on body, zero on start\nfind u in V\nsuch that for all v in V\n    " +
+               "integral(body, " + form + ") + integral(end, " + law + ")\n >= 0\n")
+        .helps;
+  };
+  const std::string scalar = "dot(grad(u), grad(v))", vector = "eps(u) : eps(v)";
+  EXPECT_EQ(helps("scalar", scalar, "j^0(v; u)"),
+            Codes{"the unknown stands first, the test function behind it"});
+  EXPECT_EQ(helps("scalar", scalar, "j^0(1; v)"), Codes{"write `j^0(u; v)`"});
+  EXPECT_EQ(helps("vector", vector, "j^0(1; v.nu)"), Codes{"write `j^0(u.nu; v.nu)`"});
+}
+
+TEST(Mistakes, ALawOfTheGradientAloneIsToldHowToLendAForm) {
+  const auto helps = [](const std::string& space, const std::string& law) {
+    return checked("mesh body = rectangle(1, 1, cells = [1, 1])\npart end = body.right\n"
+                   "superpotential j(xi) = norm(xi)\nspace V = " +
+                   space + " P1 on body, zero on end\nfind u in V\nsuch that for all v in V\n    " +
+                   "integral(body, " + law + ")\n >= integral(body, 2*v" +
+                   (space == "vector" ? ".x" : "") + ")\n")
+        .helps;
+  };
+  const auto lent = [](const std::string& form) {
+    return Codes{"add a form; where `j` alone is meant, `m*" + form +
+                 "` in a form and `- m/2*norm(xi)^2` in the law leave it as it is, for any m > 0"};
+  };
+  EXPECT_EQ(helps("scalar", "j^0(grad(u); grad(v))"), lent("dot(grad(u), grad(v))"));
+  EXPECT_EQ(helps("vector", "j^0(eps(u); eps(v))"), lent("eps(u) : eps(v)"));
+  EXPECT_EQ(helps("scalar", "j^0(u; v)"),
+            Codes{"add a form: `integral(body, dot(grad(u), grad(v)))`"});
+}
+
 TEST(Mistakes, WhatGoesWrongInAFunctionIsToldWithTheCallsThatLeadThere) {
   const auto script = checked(problem(
       2, tensor + "fn pull(s) = [0, s.x]\nfn twice(s) = 2*pull(s)\nfn once(n) = n*twice(3)\n", left,
