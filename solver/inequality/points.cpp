@@ -187,45 +187,30 @@ ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperat
 
 namespace {
 
-/// Which unknowns move in a probe, by the one of several unknowns to which they belong: only those
-/// with laws are probed, each alone. Together one would be noise in the answer of the others, as
-/// large as their units are apart. Where all unknowns are here (iterations), only those that laws
-/// see: the others would be noise, too.
-std::vector<std::vector<char>> probed_unknowns(const ContactPoints& points) {
+/// Which unknowns move in the probes. Where the laws of one of several unknowns have more rows than
+/// there are unknowns, as those of all of a strain inside a body, multipliers are far from unique
+/// and gamma decides about success: then the others, a pressure, stay. They would be noise in the
+/// answer, as large as their units are apart. Where all unknowns are here (iterations), only those
+/// that laws see move: the others would be noise, too.
+std::vector<char> probed_unknowns(const ContactPoints& points) {
   const auto n = static_cast<std::size_t>(points.unknowns);
   std::vector<char> seen(n, 0);
-  for (int row = 0; row < points.rows; ++row)
-    for (SparseMatrix::InnerIterator it(points.g, row); it; ++it) seen[it.col()] = 1;
+  std::optional<std::uint8_t> with_laws;
   const auto& of_unknown = points.problem.of_unknown;
-  if (of_unknown.empty()) return {points.by_iterations ? seen : std::vector<char>(n, 1)};
-  std::vector<std::vector<char>> out;
-  for (std::uint8_t b = 0; b < slot::most_unknowns; ++b) {
-    std::vector<char> moves(n, 0);
-    bool with_laws = false;
-    for (std::size_t i = 0; i < n; ++i) {
-      with_laws = with_laws || (of_unknown[i] == b && seen[i] != 0);
-      moves[i] = of_unknown[i] == b && (!points.by_iterations || seen[i] != 0) ? 1 : 0;
+  bool several = false;
+  for (int row = 0; row < points.rows; ++row)
+    for (SparseMatrix::InnerIterator it(points.g, row); it; ++it) {
+      seen[it.col()] = 1;
+      if (of_unknown.empty()) continue;
+      const std::uint8_t own = of_unknown[static_cast<std::size_t>(it.col())];
+      several = several || with_laws.value_or(own) != own;
+      with_laws = own;
     }
-    if (with_laws) out.push_back(std::move(moves));
-  }
-  return out;
-}
-
-/// Entries +-1, so many columns for each unknown with laws.
-DenseMatrix probes_of(const ContactPoints& points, int each) {
-  const auto moving = probed_unknowns(points);
-  DenseMatrix out(points.unknowns, each * std::ssize(moving));
-  for (std::size_t b = 0; b < moving.size(); ++b) {
-    auto probe = out.middleCols(static_cast<Eigen::Index>(b) * each, each);
-    std::uint32_t random = 12345;
-    for (double& v : probe.reshaped()) {
-      random = random * 1664525u + 1013904223u;
-      v = random >> 31 ? 1.0 : -1.0;
-    }
-    for (int i = 0; i < points.unknowns; ++i)
-      if (moving[b][static_cast<std::size_t>(i)] == 0) probe.row(i).setZero();
-  }
-  return out;
+  if (points.by_iterations) return seen;
+  std::vector<char> moves(n, 1);
+  if (!with_laws || several || points.rows <= points.unknowns) return moves;
+  for (std::size_t i = 0; i < n; ++i) moves[i] = of_unknown[i] == *with_laws ? 1 : 0;
+  return moves;
 }
 
 } // namespace
@@ -235,11 +220,19 @@ DenseMatrix probes_of(const ContactPoints& points, int each) {
 /// entries +-1 (Hutchinson, Bekas): the size is all that matters.
 void ContactPoints::estimate_compliance(ReducedOperator& s, const SparseMatrix& zero) {
   if (size() == 0) return;
-  const int each = by_iterations ? 2 : 8;
-  const DenseMatrix probe = probes_of(*this, each);
+  const int probes = by_iterations ? 2 : 8;
+  const std::vector<char> moves = probed_unknowns(*this);
+  DenseMatrix probe(unknowns, probes);
+  std::uint32_t random = 12345;
+  for (double& v : probe.reshaped()) {
+    random = random * 1664525u + 1013904223u;
+    v = random >> 31 ? 1.0 : -1.0;
+  }
+  for (int i = 0; i < unknowns; ++i)
+    if (moves[static_cast<std::size_t>(i)] == 0) probe.row(i).setZero();
   DenseMatrix answer = probe;
   if (!s.estimate_alone(zero, answer)) return;
-  const Vector flexibility = probe.cwiseProduct(answer).rowwise().sum() / each;
+  const Vector flexibility = probe.cwiseProduct(answer).rowwise().sum() / probes;
   if (!flexibility.allFinite()) return;
   for (PointData& q : data) {
     double compliance = 0.0;
