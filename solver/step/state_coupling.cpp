@@ -38,8 +38,8 @@ constexpr double most_stretched = 3.0;
 constexpr double longer = 1.2;
 constexpr double shortest_newton = 1.0 / 64.0;
 constexpr int most_leaps = 12;
-/// A path ends where the step would have to grow by less than this part.
-constexpr double smallest_share = 1e-4;
+/// A path ends where the step would have to grow by less than this part; at last by the other one.
+constexpr double shortest_part = 1.0 / 16.0, smallest_share = 1e-4;
 
 double cosine(const Vector& a, const Vector& b) {
   const double sizes = a.norm() * b.norm();
@@ -79,11 +79,15 @@ private:
     const Here nearest = here();
     if (has_rates_) {
       go(first);
-      if (settle_on_path()) return keep_wanted();
+      if (settle_on_path(shortest_part)) return keep_wanted();
     }
     go(settled || in_forms() ? nearest : first);
     if (settled || (in_forms() ? settle_in_forms(nearest) : settle_by_marching()))
       return keep_jumped();
+    if (!in_forms()) {
+      go(first);
+      if (settle_on_path(smallest_share)) return keep_wanted();
+    }
     go(nearest);
     return false;
   }
@@ -447,8 +451,8 @@ private:
     return near() && usable();
   }
 
-  /// Steps that grow from nothing to the full one.
-  bool settle_on_path() {
+  /// Steps that grow from nothing to the full one, by no less than this part of it.
+  bool settle_on_path(double least) {
     Here last = here();
     double reached = 0.0, step = 0.25;
     while (reached < 1.0) {
@@ -462,7 +466,7 @@ private:
       }
       go(last);
       step /= 4.0;
-      if (step < smallest_share) {
+      if (step < least) {
         share_ = 1.0;
         judge();
         return false;
