@@ -30,7 +30,7 @@ constexpr int most_plain = 400;
 constexpr int most_in_vain = 100;
 constexpr int most_mixed = 100;
 /// The cosine of the directions of two passes that lead the same way.
-constexpr double onward = 0.7;
+constexpr double same_way = 0.7;
 constexpr int between_newton = 10;
 /// The way of the states over what they wanted at first: where a branch ends, it is two or three.
 constexpr double most_stretched = 3.0;
@@ -347,7 +347,7 @@ private:
     for (int k = 1, in_vain = 0; k <= most_plain && in_vain < most_in_vain && std::isfinite(error_);
          ++k) {
       const Vector direction = wanted_ - contact_.state_values;
-      const bool goes_on = k == 1 || cosine(direction, before) > onward;
+      const bool goes_on = k == 1 || cosine(direction, before) > same_way;
       before = direction;
       solve_with(Vector(wanted_));
       if (near() || (k % between_newton == 0 && settle_from_here())) return true;
