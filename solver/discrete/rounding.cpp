@@ -97,40 +97,45 @@ void rounding_of_rows(const OwnRows& rows, int matrix, std::span<const double> v
   });
 }
 
-Vector growth_probe(const MatrixRows& k) {
-  Vector b;
-  k.apply_magnitude(Vector::Ones(k.size()), b);
+Vector growth_probe(const MatrixRows& k, const RowUnits& unit) {
+  Vector b, d(k.size());
+  for (Eigen::Index i = 0; i < d.size(); ++i) d[i] = 1.0 / unit[i];
+  k.apply_magnitude(d, b);
   for (Eigen::Index i = 0; i < b.size(); ++i)
     if (random_unit(static_cast<std::uint64_t>(i), 0) < 0.0) b[i] = -b[i];
   return b;
 }
 
-Vector growth_probe(const SparseMatrix& k) { return growth_probe(HeldRows(k, {})); }
+Vector growth_probe(const SparseMatrix& k, const RowUnits& unit) {
+  return growth_probe(HeldRows(k, {}), unit);
+}
 
-double rounding_growth(const Vector& b, const Vector& y, const Vector& r, Factorisation& factor) {
+double rounding_growth(const Vector& b, const RowUnits& unit, const Vector& y, const Vector& r,
+                       Factorisation& factor) {
   Vector x = Vector::Zero(factor.order().size()); // the interior has its solve: zeros cost none
   x.tail(r.size()) = r;
   factor.forward(x, Columns::all);
   const double energy = y.squaredNorm() + x.tail(r.size()).squaredNorm(); // b^T K^-1 b = |L^-1 b|^2
-  return growth_of(energy / b.norm(), b.size());
+  double square = 0.0;
+  for (Eigen::Index i = 0; i < b.size(); ++i) square += b[i] / unit[i] * (b[i] / unit[i]);
+  return growth_of(energy / std::sqrt(square), b.size());
 }
 
-double rounding_growth(const SparseMatrix& k, Factorisation& factor) {
-  const Vector b = growth_probe(k);
+double rounding_growth(const SparseMatrix& k, const RowUnits& unit, Factorisation& factor) {
+  if (lower_factor(factor) == nullptr) return rounding_growth(HeldRows(k, {}), unit, factor);
+  const Vector b = growth_probe(k, unit);
   Vector x, r;
-  if (lower_factor(factor) != nullptr) {
-    forward(factor, b, x, r);
-    return rounding_growth(b, x.head(factor.order().interior), r, factor);
-  }
-  solve(factor, b, x);
-  return growth_of(x.lpNorm<Eigen::Infinity>(), b.size());
+  forward(factor, b, x, r);
+  return rounding_growth(b, unit, x.head(factor.order().interior), r, factor);
 }
 
-double rounding_growth(const MatrixRows& k, Factorisation& factor) {
-  const Vector b = growth_probe(k);
+double rounding_growth(const MatrixRows& k, const RowUnits& unit, Factorisation& factor) {
+  const Vector b = growth_probe(k, unit);
   Vector x;
   solve(factor, b, x);
-  return growth_of(x.lpNorm<Eigen::Infinity>(), b.size());
+  double largest = 0.0;
+  for (Eigen::Index i = 0; i < x.size(); ++i) largest = std::max(largest, std::abs(x[i]) * unit[i]);
+  return growth_of(std::isfinite(x.sum()) ? largest : x.sum(), b.size());
 }
 
 } // namespace hvi::solver

@@ -4,6 +4,7 @@
 #include "solver/linear/factorisation.hpp"
 #include "solver/linear/matrix_rows.hpp"
 #include "solver/linear/own_rows.hpp"
+#include "solver/linear/own_stiffness.hpp"
 #include "solver/linear/symmetric_blocks.hpp"
 
 #include <array>
@@ -52,15 +53,17 @@ void add_rounding(const SymmetricBlocks& a, const Vector& v, double unit, Roundi
 void rounding_of_rows(const OwnRows& rows, int matrix, std::span<const double> v,
                       std::span<const double> sizes, double unit, std::span<double> out);
 
-/// About eps times the condition number of K in the 2-norm, by one or two triangular solves: with
-/// b_i = +- sum_j |K_ij| of random signs, eps b^T K^-1 b / rms(b), or max_i |eps K^-1 b|_i times
-/// the square root of the size where K has no Cholesky factor.
-double rounding_growth(const SparseMatrix& k, Factorisation& factor);
-double rounding_growth(const MatrixRows& k, Factorisation& factor); ///< not Cholesky's
+/// About eps times the condition number of D K D in the 2-norm, D_i = 1/unit[i], by one or two
+/// triangular solves: with b_i = +- sum_j |K_ij| D_j of random signs, eps b^T K^-1 b / rms(D b), or
+/// max_i |eps D^-1 K^-1 b|_i times the square root of the size where K has no Cholesky factor.
+double rounding_growth(const SparseMatrix& k, const RowUnits& unit, Factorisation& factor);
+double rounding_growth(const MatrixRows& k, const RowUnits& unit,
+                       Factorisation& factor); ///< not Cholesky's
 /// The b of it, and what it finds from what `forward` (factorisation.hpp) makes of b, among other
 /// right-hand sides: y of the interior and r. For Cholesky factors.
-Vector growth_probe(const SparseMatrix& k);
-double rounding_growth(const Vector& b, const Vector& y, const Vector& r, Factorisation& factor);
+Vector growth_probe(const SparseMatrix& k, const RowUnits& unit);
+double rounding_growth(const Vector& b, const RowUnits& unit, const Vector& y, const Vector& r,
+                       Factorisation& factor);
 
 /// From this growth on a run refines every step with residuals in extended precision.
 inline constexpr double growth_to_refine = 1e-6;

@@ -175,12 +175,13 @@ bool take_jumps_as_unknowns(const Plan& plan, const Discretisation& d, DiscreteP
 std::unique_ptr<Formulation> condensed(DiscreteProblem& all) {
   SparseMatrix& t = all.operators.bases[0];
   auto factor = take_factor(all.operators.shared, t, all.contact.unknowns, true);
-  std::vector<Vector> right{growth_probe(t)}, r, of_loads;
+  const RowUnits unit(own_stiffness(t), all.contact.of_unknown);
+  std::vector<Vector> right{growth_probe(t, unit)}, r, of_loads;
   all.loads.map([&](const Vector& f) { return right.emplace_back(f); });
   DenseMatrix y;
   forward(*factor, right, y, r);
   const auto inside = y.leftCols(factor->order().interior);
-  if (!(rounding_growth(right[0], inside.row(0), r[0], *factor) <= growth_to_refine))
+  if (!(rounding_growth(right[0], unit, inside.row(0), r[0], *factor) <= growth_to_refine))
     return nullptr;
   auto interior =
       std::make_unique<Interior>(t, std::move(factor), all.layout, all.contact.unknowns);

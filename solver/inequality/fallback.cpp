@@ -89,13 +89,13 @@ double AugmentedProblem::slope_at(const Line& line, double t, double unit) {
   return sum;
 }
 
-/// No energy without symmetry: a step that makes the residual smaller than `before`.
+/// No energy without symmetry: a step that makes the residual smaller than `before` (largest_left).
 double AugmentedProblem::damping(const Line& line, double before) {
   for (double t = 1.0; t > 1e-6; t /= 2.0) {
     w_.c += t * line.direction;
     w_.z = line.z + t * line.z_direction;
     w_.balance.product.update(w_.c);
-    const double after = gradient(false).left.lpNorm<Eigen::Infinity>();
+    const double after = largest_left(gradient(false), w_.points);
     w_.c -= t * line.direction;
     w_.z = line.z;
     if (after <= (1.0 - 0.1 * t) * before) return t;
@@ -137,7 +137,7 @@ MethodOutcome AugmentedProblem::minimise(const InequalityOptions& options,
       op.apply(line.direction, line.s_direction);
       t = line_search([&](double step) { return slope_at(line, step, unit); });
     } else {
-      t = damping(line, errors.left.lpNorm<Eigen::Infinity>());
+      t = damping(line, largest_left(errors, w_.points));
     }
     w_.c += t * line.direction;
     // Not G c + g again: its rounding, which depends on the axes, would be divided by gamma.

@@ -4,6 +4,7 @@
 #include "solver/inequality/iterative_operator.hpp"
 #include "solver/inequality/shared_scales.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -47,13 +48,22 @@ const Vector& KeptProduct::magnitude(const Vector& c) {
 
 namespace {
 
-double worst_ratio(const Errors& of) {
-  const double noise = of.size.size() > 0 ? 0x1p-53 * of.size.maxCoeff() : 0.0;
+/// The largest of the rows, each divided by its unit.
+double largest_row(const Vector& rows, const ContactPoints& points) {
+  double out = 0.0;
+  for (Eigen::Index i = 0; i < rows.size(); ++i)
+    out = std::max(out, std::abs(rows[i]) / points.row_units[i]);
+  return out;
+}
+
+/// Each row against its own size. A row where nothing acts (0 = 0) holds rounding of the others: no
+/// error of its own.
+double worst_ratio(const Errors& of, const ContactPoints& points) {
+  const double rounding = 0x1p-53 * largest_row(of.size, points);
   double worst = 0.0;
   for (Eigen::Index i = 0; i < of.left.size(); ++i) {
-    // A row where nothing acts (0 = 0) holds rounding of the others: no error of its own.
     const double error = std::abs(of.left[i]);
-    if (error <= noise || error <= worst * of.size[i]) continue;
+    if (error <= rounding * points.row_units[i] || error <= worst * of.size[i]) continue;
     worst = error / of.size[i];
     if (std::isnan(worst)) return std::numeric_limits<double>::infinity();
   }
@@ -83,6 +93,10 @@ Pieces pieces_of(const ReducedOperator& s) {
 }
 
 } // namespace
+
+double largest_left(const Errors& of, const ContactPoints& points) {
+  return largest_row(of.left, points);
+}
 
 /// What each row is made of, from below.
 Vector ForceBalance::sizes(const Vector& c) const {
@@ -120,15 +134,13 @@ Vector ForceBalance::beyond(double ratio, double seen, const Vector& residual, c
 }
 
 /// The row of a pressure has no diagonal, and its sum is what is left.
-bool ForceBalance::sums_cancel() const {
-  return all_rows_ != nullptr && all_rows_->several_unknowns();
-}
+bool ForceBalance::sums_cancel() const { return !points_.problem.of_unknown.empty(); }
 
 ForceBalance::ForceBalance(const ContactPoints& points, const ReducedOperator& s, double target)
     : product(s), points_(points), all_rows_(s.iterative()), target_(target) {}
 
 double ForceBalance::worst_ratio(const Errors& of, const Vector& c, const Vector& xi) const {
-  return all_rows_ != nullptr ? worst_of_all_rows(of, c, xi) : solver::worst_ratio(of);
+  return all_rows_ != nullptr ? worst_of_all_rows(of, c, xi) : solver::worst_ratio(of, points_);
 }
 
 /// A part of what row i has in axes that are turned, as the certificate of a step has it

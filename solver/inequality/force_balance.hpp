@@ -40,6 +40,8 @@ struct Errors {
   Vector left, size;
   double worst = 0.0;
 };
+/// The largest of what is left, each row divided by its ContactPoints::row_units.
+double largest_left(const Errors& of, const ContactPoints& points);
 
 class ForceBalance {
 public:

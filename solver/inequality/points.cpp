@@ -148,8 +148,9 @@ void scale_rows(SparseMatrix& g, const ContactPoint& point, const Small& factor)
 ContactPoints::ContactPoints(const ReducedProblem& problem_, const ReducedOperator& s,
                              std::span<const double> factors)
     : problem(problem_), g(problem_.g), unknowns(s.size()),
-      rows(static_cast<int>(problem_.g.rows())), diagonal(s.diagonal()), laws(problem_),
-      force_of(unknowns, rows), by_iterations(s.iterative() != nullptr) {
+      rows(static_cast<int>(problem_.g.rows())), diagonal(s.diagonal()),
+      row_units(s.own_stiffness(), problem_.of_unknown), laws(problem_), force_of(unknowns, rows),
+      by_iterations(s.iterative() != nullptr) {
   if (g.cols() != unknowns && rows > 0)
     throw Failure(FailureKind::bad_value, {}, "the contact matrix does not fit the operator");
   const Vector stiffness = s.own_stiffness();

@@ -6,6 +6,7 @@
 #include "solver/inequality/inequality.hpp"
 #include "solver/inequality/prepared_law.hpp"
 #include "solver/kernel/slot.hpp"
+#include "solver/linear/own_stiffness.hpp"
 
 #include <span>
 #include <vector>
@@ -119,6 +120,7 @@ struct ContactPoints {
   int unknowns = 0, rows = 0; ///< of G: columns and rows
   std::size_t entries = 0;    ///< of PointMatrices
   Vector diagonal;            ///< of S
+  RowUnits row_units;
   PreparedLaws laws;
   std::vector<PointData> data;
   SparseMatrix force_of; ///< G^T W: unknowns by rows

@@ -74,8 +74,11 @@ bool Refinement::begins_with(const StepMatrix& matrix) {
   // The factor of a free body is that of a matrix made almost singular, whose errors laws stop.
   if (!matrix.factorisation() || matrix.free_body() != nullptr) return false;
   Factorisation& factor = *matrix.factorisation();
-  const double growth = matrix.dealt() != nullptr ? rounding_growth(*matrix.dealt(), factor)
-                                                  : rounding_growth(matrix.k(), factor);
+  const auto& of_unknown = formulation_.contact().of_unknown;
+  const double growth =
+      matrix.dealt() != nullptr
+          ? rounding_growth(*matrix.dealt(), {matrix.dealt()->own_stiffness(), of_unknown}, factor)
+          : rounding_growth(matrix.k(), {own_stiffness(matrix.k()), of_unknown}, factor);
   on_ = growth > growth_to_refine;
   return on_;
 }

@@ -202,6 +202,28 @@ TEST(LawPoints, SmoothSidesHaveOneNormalAtANode) {
     }
 }
 
+// At the tip of a needle facets point all about: they have no common normal, and keep their own.
+TEST(LawPoints, TipsOfNeedlesKeepAllNormals) {
+  const int n = 12;
+  for (const double height : {0.5, 5.0}) {
+    Mesh mesh;
+    mesh.dim = 3;
+    mesh.nodes = {{0.0, 0.0, -height}, {0.0, 0.0, 0.0}};
+    std::vector<std::array<std::int32_t, 3>> side;
+    for (int k = 0; k < n; ++k) {
+      const double angle = 2.0 * std::numbers::pi * k / n;
+      mesh.nodes.push_back({std::cos(angle), std::sin(angle), 0.0});
+      const int a = 2 + k, b = 2 + (k + 1) % n;
+      mesh.cells.push_back({0, a, b, 1});
+      side.push_back({0, b, a});
+    }
+    const auto facets = build_facets(mesh, side);
+    const Region region{Group::Kind::facets, {facets.begin(), facets.end()}};
+    const LawPoints points = assemble_law(make_space(mesh, 1, 3), region, normal_law(3), 0, false);
+    EXPECT_EQ(std::ssize(points.x), height < 1.0 ? n + 1 : n + n) << height;
+  }
+}
+
 // Sides that meet at a crease of more than 45 degrees keep a normal each.
 TEST(LawPoints, CreasesKeepTheirNormals) {
   for (const double slope : {0.9, 1.1}) {

@@ -109,16 +109,33 @@ TEST_F(Body, TheFirstUnknownCanBeObservedInside) {
 
 TEST_F(Body, TheGrowthOfRoundingIsThatOfItsMatrix) {
   const SparseMatrix sparse = t.sparseView();
-  const std::vector<Vector> right{growth_probe(sparse), forces[0]};
+  const RowUnits unit(own_stiffness(sparse), {});
+  const std::vector<Vector> right{growth_probe(sparse, unit), forces[0]};
   const Vector &b = right[0], answer = t.fullPivLu().solve(b);
   const double growth = std::numeric_limits<double>::epsilon() * b.dot(answer) *
-                        std::sqrt(static_cast<double>(n)) / b.norm();
-  EXPECT_NEAR(rounding_growth(sparse, *interior->factor), growth, 1e-9 * growth);
+                        std::sqrt(static_cast<double>(n)) * unit[0] / b.norm();
+  EXPECT_NEAR(rounding_growth(sparse, unit, *interior->factor), growth, 1e-9 * growth);
   DenseMatrix y;
   std::vector<Vector> r;
   forward(*interior->factor, right, y, r);
   const Vector inside = y.row(0).head(interior->n_interior());
-  EXPECT_NEAR(rounding_growth(b, inside, r[0], *interior->factor), growth, 1e-9 * growth);
+  EXPECT_NEAR(rounding_growth(b, unit, inside, r[0], *interior->factor), growth, 1e-9 * growth);
+}
+
+/// Of two unknowns, the second one in other units, by both kinds of factors.
+TEST_F(Body, TheGrowthOfRoundingDoesNotDependOnUnits) {
+  std::vector<std::uint8_t> of_unknown(n, 0);
+  for (int i = 0; i < n; i += 2) of_unknown[static_cast<std::size_t>(i)] = 1;
+  const auto growth = [&](double other, bool symmetric) {
+    Vector units = Vector::Ones(n);
+    for (int i = 0; i < n; i += 2) units[i] = other;
+    const SparseMatrix k = (units.asDiagonal() * t * units.asDiagonal()).eval().sparseView();
+    const auto factor = take_factor(nullptr, k, contact, symmetric);
+    return rounding_growth(k, {own_stiffness(k), of_unknown}, *factor);
+  };
+  for (const bool symmetric : {true, false})
+    for (const double other : {0x1p-20, 0x1p20})
+      EXPECT_NEAR(growth(other, symmetric), growth(1.0, symmetric), 1e-9 * growth(1.0, symmetric));
 }
 
 /// Of states far from equilibrium, as of one step and as of several.
