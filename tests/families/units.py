@@ -4,8 +4,8 @@ usage: units.py HVI_RUN [--scenes N] [--seed S] [--only K] [--keep FOLDER]
 
 A scene is written with the dimension of each number, `<3;F L-2>`, and solved twice: as it stands, and with other units of length L, force F, time T,
 temperature K and voltage V. These are powers of two, so that no number is rounded in being written. Bodies with friction, memories, inertia and
-states; pastes; flows that slip; pore water; heat that friction makes; heated pastes; currents through contacts. Each column of the table must be the same
-but for its own unit.
+states; pastes; flows that slip; pore water; heat that friction makes, in one body or two; heated pastes; currents through contacts; bodies that laws alone hold;
+piezoelectric and damaged ones. Each column of the table must be the same but for its own unit.
 """
 import argparse
 import pathlib
@@ -40,7 +40,7 @@ class Scene:
     def __init__(self, random):
         self.random = random
         self.dim = int(random.choice([2, 2, 3]))
-        kinds = [self.block, self.paste, self.flow, self.pores, self.warm, self.warm_paste, self.current]
+        kinds = [self.block, self.paste, self.flow, self.pores, self.warm, self.warm_paste, self.current, self.table, self.sandwich, self.piezo, self.damaged]
         self.kind = kinds[int(random.integers(len(kinds)))]
         self.columns = {}
         self.text = self.kind()
@@ -188,6 +188,72 @@ class Scene:
                                 "u = 0, phi = 0, theta = 0") + self.report(
             current=("integral(ground, leak.xi)", f"F L{d - 2} T-1 V-1"), warmth=("theta at " + self.near(0.5, 0), "K"),
             push=("integral(ground, press.xi)", f"F L{d - 3}"))
+
+
+    def table(self):
+        """A body that nothing holds but a rigid ground and its friction."""
+        self.tests, d = "", self.dim
+        text = self.body(2) + ("tensor A = isotropic(lambda = <1;F L-2 T>, mu = <2;F L-2 T>)\n"
+                               f"tensor B = isotropic(young = <{self.size(20, 300)};F L-2>, poisson = 0.3)\n"
+                               "superpotential rigid(r) with slope\n  | r < <0;L> -> <0;F L-2>\n  | otherwise -> 1e300\n"
+                               "superpotential rub(w) = 0.4*rigid.xi*norm(w)\nspace V = vector P1 on body\n")
+        forms = ["integral(body, A : eps(u') : eps(v))", "integral(body, B : eps(u) : eps(v))",
+                 "integral(ground, rigid^0(u.nu; v.nu) + rub^0(u'.tau; v.tau))"]
+        push = self.vector("<0.3;F L-2 T-1>*t", "-<0.2;F L-2 T-1>*t")
+        loads = f"integral(body, -<2;F L-3>*v.y) + integral(roof, dot({push}, v))"
+        return text + self.find("u in V", forms, loads, "u = 0") + self.report(
+            aside=("u.x at " + self.near(1, 1), "L"), push=("integral(ground, rigid.xi)", f"F L{d - 3}"),
+            drag=("integral(ground, rub.xi.x)", f"F L{d - 3}"))
+
+    def sandwich(self):
+        """Two bodies that rub and heat each other, with a film that conducts."""
+        self.tests, d = ", eta in W", self.dim
+        one, other = (("rectangle(<1;L>, <0.5;L>, cells = [3, 2])", "rectangle(<1;L>, <0.5;L>, cells = [2, 2], at = [<0;L>, <0.5;L>])") if d == 2 else
+                      ("box(<1;L>, <0.5;L>, <0.5;L>, cells = [2, 1, 1])", "box(<1;L>, <0.5;L>, <0.5;L>, cells = [2, 1, 1], at = [<0;L>, <0.5;L>, <0;L>])"))
+        text = (f"mesh lower = {one}\nmesh upper = {other}\nmesh body = lower + upper\npart base = lower.bottom\npart roof = upper.top\n"
+                "part seam = pair(upper.bottom, lower.top)\n"
+                "tensor A = isotropic(lambda = <5;F L-2 T>, mu = <10;F L-2 T>)\n"
+                f"tensor B = isotropic(young = <{self.size(50, 300)};F L-2>, poisson = 0.3)\n"
+                f"superpotential press(r) = <{self.size(50, 5000)};F L-3>*max(<0;L>, r)^2\n"
+                f"superpotential rub(w) = 0.3*(1 - <{self.size(0.01, 0.2)};K-1>*min(abs(mean(theta)), <4;K>))*abs(press.xi)*norm(w)\n"
+                f"superpotential film(s) = <{self.size(0.05, 20)};F L-1 T-1 K-1>*s^2\n"
+                "space V = vector P1 on body, zero on base, zero on roof\nspace W = scalar P1 on body, zero on base\n")
+        moved = self.vector("<0.1;L T-1>*t", "-<0.05;L T-1>*t")
+        forms = ["integral(body, A : eps(u') : eps(v))", "integral(body, B : eps(u) : eps(v))",
+                 f"-integral(body, <{self.size(0.1, 3)};F L-2 K-1>*theta*div(v))", "integral(body, <1;F L-2 K-1>*theta'*eta)",
+                 "integral(body, <1;F T-1 K-1>*dot(grad(theta), grad(eta)))",
+                 "integral(seam, press^0(jump(u).nu; jump(v).nu) + rub^0(jump(u').tau; jump(v).tau) + film^0(jump(theta); jump(eta)))",
+                 "-integral(seam, dot(rub.xi, jump(u').tau)*mean(eta))"]
+        return text + self.find(f"u in V, theta in W with u = {moved} on roof", forms, "0", "u = 0, theta = 0") + self.report(
+            warmth=("theta at " + self.near(0.5, 0.5), "K"), drag=("integral(seam, rub.xi.x)", f"F L{d - 3}"), push=("integral(seam, press.xi)", f"F L{d - 3}"))
+
+    def piezo(self):
+        """A voltage bends a body until it meets a stop."""
+        self.tests, d = ", psi in Q", self.dim
+        e = self.size(0.1, 10)
+        text = self.body(2) + (f"tensor B = isotropic(young = <{self.size(20, 300)};F L-2>, poisson = 0.3)\n"
+                               f"superpotential stop(r) = <{self.size(1, 300)};F L-3>*max(<0;L>, r - <0.001;L>)^2\n"
+                               f"space V = vector {self.pick('P1', 'P2')} on body, zero on wall\nspace Q = scalar P1 on body, zero on ground, zero on roof\n")
+        forms = ["integral(body, B : eps(u) : eps(v))", f"-integral(body, <{e};F L-1 V-1>*grad(phi).y*(eps(v).xx))",
+                 f"integral(body, <{e};F L-1 V-1>*(eps(u).xx)*grad(psi).y)", "integral(body, <1;F V-2>*dot(grad(phi), grad(psi)))",
+                 "integral(flank, stop^0(u.nu; v.nu))"]
+        return text + self.find("u in V, phi in Q with phi = <2;V T-1>*t on roof", forms, f"integral(roof, <{self.size(0.1, 3)};F L-2 T-1>*t*v.x)",
+                                "u = 0, phi = 0") + self.report(
+            far=("u.x at " + self.near(1, 1), "L"), push=("integral(flank, stop.xi)", f"F L{d - 3}"), half=("phi at " + self.near(0.5, 0.5), "V"))
+
+    def damaged(self):
+        """A body that strains damage, on a ground with friction."""
+        self.tests, d = "", self.dim
+        text = self.body(2) + ("tensor A = isotropic(lambda = <2;F L-2 T>, mu = <4;F L-2 T>)\n"
+                               f"tensor B = isotropic(young = <{self.size(50, 300)};F L-2>, poisson = 0.3)\n"
+                               f"state d on body with rate <{self.size(5, 500)};T-1>*(eps(u) : eps(u)) from d = 0 in [0, 0.9]\n"
+                               "superpotential press(r) = <100;F L-3>*max(<0;L>, r)^2\nsuperpotential rub(w) = <0.2;F L-2>*norm(w)\n"
+                               f"space V = vector {self.pick('P1', 'P2')} on body, zero on wall\n")
+        forms = ["integral(body, A : eps(u') : eps(v))", "integral(body, (1 - d)*B : eps(u) : eps(v))",
+                 "integral(ground, press^0(u.nu; v.nu) + rub^0(u'.tau; v.tau))"]
+        loads = f"integral(roof, dot({self.vector('<1;F L-2 T-1>*t', '-<4;F L-2 T-1>*t')}, v))"
+        return text + self.find("u in V", forms, loads, "u = 0") + self.report(
+            down=("u.y at " + self.near(1, 1), "L"), push=("integral(ground, press.xi)", f"F L{d - 3}"), lost=("integral(body, d)", f"L{d}"))
 
 
 def table(program, folder, name, script, solver):
