@@ -266,6 +266,7 @@ bool States::take_time(ModelTerm& term, const Span& span) {
 
 void States::check_states_of_laws() {
   std::set<int> with_laws;
+  std::set<int> read_elsewhere; // which is told, and why their own parts have no law
   for (const ModelTerm& term : model_.terms) {
     if (term.integrand.scalar().depends_on_any(slot::first_state, slot::first_probe))
       check_changing_form(term);
@@ -275,12 +276,15 @@ void States::check_states_of_laws() {
       for (const int i : model_.laws[use.law].spec.states)
         all = all + Symbol::variable(slot::state(i));
       for (const LawRow& row : use.rows) all = all + row.offset;
-      reads_states_of(use.span, all, term.part, fmt::format("the law `{}`", use.name));
+      if (!reads_states_of(use.span, all, term.part, fmt::format("the law `{}`", use.name)))
+        for (const solver::Slot s : solver::slots_of(all))
+          if (slot::is_state(s)) read_elsewhere.insert(s - slot::first_state);
     }
   }
-  for (const ModelState& state : model_.states)
-    if (state.declaration >= 0 && with_laws.count(state.spec.part) == 0 &&
-        !lives_in_body(state.spec.part))
+  for (int i = 0; i < std::ssize(model_.states); ++i)
+    if (const ModelState& state = model_.states[static_cast<std::size_t>(i)];
+        state.declaration >= 0 && with_laws.count(state.spec.part) == 0 &&
+        read_elsewhere.count(i) == 0 && !lives_in_body(state.spec.part))
       mistakes_.error("E0430", names_[state.declaration].span,
                       fmt::format("no law acts on `{}`, where the state `{}` is to live",
                                   model_.parts[state.spec.part].name, state.spec.name),

@@ -127,7 +127,7 @@ class Scene:
                  "integral(ground, slip^0(u.tau; v.tau))"]
         loads = f"integral(wall, <{self.size(0.5, 9)};F L-2>*v.x)"
         return text + self.find("u in V, p in Q", forms, loads, "", static=True) + self.report(
-            flows=("u.x at " + self.near(0.5, 0), "L T-1"), drag=("integral(ground, slip.xi.x)", f"F L{d - 3}"), press=("p at " + self.near(0.5, 0.5), "F L-2"))
+            flows=("u.x at " + self.near(0.5, 0), "L T-1"), drag=("integral(ground, slip.xi.x)", f"F L{d - 3}"), pressed=("p at " + self.near(0.5, 0.5), "F L-2"))
 
     def pores(self):
         """Pore water in a body on a layer that softens."""
@@ -266,18 +266,18 @@ def table(program, folder, name, script, solver):
     return dict(zip(lines[0], np.array(lines[1:], float).T))
 
 
-def tried(program, folder, scene, units):
-    """What is wrong, or nothing; and how far apart the worst column is."""
-    plain = table(program, folder, "plain", written(scene.text, dict.fromkeys(REACH, 0)), scene.solver)
-    other = table(program, folder, "other", written(scene.text, units), scene.solver)
-    if isinstance(plain, str):
-        return f"refused as it stands: {plain}", 0.0
-    if isinstance(other, str):
-        return f"refused in other units: {other}", 0.0
+def compared(program, folder, scene, plain, other, unit):
+    """What is wrong with the other script, or nothing; and how far apart the worst column is. `unit`: of a dimension, in the other script."""
+    first = table(program, folder, "plain", plain, scene.solver)
+    second = table(program, folder, "other", other, scene.solver)
+    if isinstance(first, str):
+        return f"refused as it stands: {first}", 0.0
+    if isinstance(second, str):
+        return f"refused otherwise: {second}", 0.0
     worst = 0.0
     for name, dimension in scene.columns.items():
-        apart = np.abs(other[name] / factor(dimension, units) - plain[name]).max()
-        worst = max(worst, apart / max(np.abs(plain[name]).max(), REST))
+        apart = np.abs(second[name] / unit(dimension) - first[name]).max()
+        worst = max(worst, apart / max(np.abs(first[name]).max(), REST))
     return (f"another answer, {worst:.1e}" if worst > SAME else ""), worst
 
 
@@ -295,7 +295,8 @@ def main():
         scene = Scene(random)
         units = {name: int(random.integers(-reach, reach + 1)) for name, reach in REACH.items()}
         with tempfile.TemporaryDirectory() as name:
-            said, apart = tried(program, words.keep or pathlib.Path(name), scene, units)
+            plain, other = written(scene.text, dict.fromkeys(REACH, 0)), written(scene.text, units)
+            said, apart = compared(program, words.keep or pathlib.Path(name), scene, plain, other, lambda dimension: factor(dimension, units))
         worst = max(worst, apart)
         if said:
             wrong += 1
