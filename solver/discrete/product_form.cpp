@@ -47,8 +47,11 @@ ProductForm::ProductForm(const SparseMatrix& k, std::span<const std::uint8_t> of
     weights_[b] = own != 0.0 ? std::copysign(weight, own) : weight;
   }
   for (int i = 0; i < k.rows(); ++i)
-    for (SparseMatrix::InnerIterator it(k, i); it; ++it)
-      size_ = std::max(size_, std::abs(weights_[of_unknown[i]] * it.value()));
+    for (SparseMatrix::InnerIterator it(k, i); it; ++it) {
+      const std::size_t a = of_unknown[i];
+      double& size = sizes_[a][of_unknown[it.col()]];
+      size = std::max(size, std::abs(weights_[a] * it.value()));
+    }
 }
 
 SparseMatrix ProductForm::weighted(const SparseMatrix& form) const {
@@ -60,16 +63,24 @@ SparseMatrix ProductForm::weighted(const SparseMatrix& form) const {
 }
 
 SparseMatrix ProductForm::symmetric_part(const SparseMatrix& form) const {
-  constexpr double rounding = 1e-13, large = 1e3;
+  constexpr double rounding = 1e-13;
   SparseMatrix out = weighted(form), diagonal(form.rows(), form.cols());
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < out.rows(); ++i) {
-    const bool own = multiplier_[of_unknown_[i]];
-    if (own) entries.emplace_back(i, i, large * size_);
-    for (SparseMatrix::InnerIterator it(out, i); it; ++it)
-      if ((own || multiplier_[of_unknown_[it.col()]]) && std::abs(it.value()) <= rounding * size_)
+  std::array<bool, most> seen{};
+  double own = 0.0; // of the forms that unknowns have themselves
+  for (std::size_t b = 0; b < most; ++b) own = std::max(own, sizes_[b][b]);
+  for (int i = 0; i < out.rows(); ++i)
+    for (SparseMatrix::InnerIterator it(out, i); it; ++it) {
+      const std::size_t a = of_unknown_[i], b = of_unknown_[it.col()];
+      if (!multiplier_[a] && !multiplier_[b]) continue;
+      if (std::abs(it.value()) <= rounding * std::max(sizes_[a][b], sizes_[b][a]))
         it.valueRef() = 0.0;
-  }
+      else
+        seen[a] = seen[b] = true;
+    }
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < out.rows(); ++i)
+    if (const std::size_t a = of_unknown_[i]; multiplier_[a])
+      entries.emplace_back(i, i, seen[a] ? 0.0 : own);
   diagonal.setFromTriplets(entries.begin(), entries.end());
   return entries.empty() ? out : SparseMatrix(out + diagonal);
 }

@@ -28,8 +28,8 @@ public:
 
   /// sym(W form).
   SparseMatrix weighted(const SparseMatrix& form) const;
-  /// The same with a large diagonal for multipliers: positive definite where sym(W form) is on the
-  /// others and does not see them.
+  /// The same with a diagonal for multipliers that it does not see, of the size of the others' own
+  /// forms: positive definite where sym(W form) is on the others and sees no multiplier.
   SparseMatrix symmetric_part(const SparseMatrix& form) const;
   /// Has no form of its own: a multiplier.
   bool is_multiplier(int unknown) const { return multiplier_[static_cast<std::size_t>(unknown)]; }
@@ -40,7 +40,7 @@ private:
   std::span<const std::uint8_t> of_unknown_;
   std::array<double, most> weights_;
   std::array<bool, most> multiplier_{};
-  double size_ = 0.0; ///< of the entries of W K
+  std::array<std::array<double, most>, most> sizes_{}; ///< by block: of the entries of W K
 };
 
 } // namespace hvi::solver

@@ -145,11 +145,15 @@ bool is_seen_at_rest(double beta, double size) { return beta > least_at_rest * s
 bool InfSup::sees_all() const { return is_seen(constant, size); }
 bool InfSup::sees_all_at_rest() const { return !at_rest || is_seen_at_rest(*at_rest, size); }
 
-SparseMatrix gram_on_unknowns(const Discretisation& d, const StateLayout& layout) {
+std::vector<char> masses_in_gram(const Discretisation& d) {
   auto masses = d.dofs.needs_mass();
   for (const RigidMotions& of : motions_of_unknowns(d))
     masses[static_cast<std::size_t>(of.unknown())] = 1;
-  return restrict_rows(gram_v(d.space, masses), layout).leftCols(layout.n_unknowns);
+  return masses;
+}
+
+SparseMatrix gram_on_unknowns(const Discretisation& d, const StateLayout& layout) {
+  return restrict_rows(gram_v(d.space, masses_in_gram(d)), layout).leftCols(layout.n_unknowns);
 }
 
 std::optional<InfSup> inf_sup(const OnMesh& on, int unknown, bool at_rest) {

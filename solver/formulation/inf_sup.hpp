@@ -19,7 +19,9 @@ struct OnMesh {
   const SparseMatrix& gram; ///< G of V on the unknowns
 };
 
-/// The Gram matrix of V on the unknowns, with the mass where forms and values leave motions free.
+/// By unknown: has the Gram matrix its mass, for forms and values leave motions free?
+std::vector<char> masses_in_gram(const Discretisation& discretisation);
+/// The Gram matrix of V on the unknowns, with those masses.
 SparseMatrix gram_on_unknowns(const Discretisation& discretisation, const StateLayout& layout);
 
 struct InfSup {

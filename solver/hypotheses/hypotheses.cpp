@@ -117,12 +117,25 @@ void Judgement::judge_a() {
           : std::string());
 }
 
+/// Is the form coercive on this mesh only? Each unknown on its own: what one of them has in its
+/// units hides what another one loses. In words, where the refined mesh tells.
+std::optional<std::string> Judgement::falls_with_the_mesh() const {
+  if (a_finer_.empty()) return "";
+  const auto here = numbers_.own_coercivities(field_of_u(1));
+  for (std::size_t b = 0; b < here.size(); ++b)
+    if (here[b] != infinity && !(a_finer_[b] > 0.7 * here[b]))
+      return here.size() == 1
+                 ? fmt::format(", {:.6g} on the refined", a_finer_[b])
+                 : fmt::format(", of `{}` {:.6g} and {:.6g} on the refined",
+                               unknowns_of(problem_.space)[b].name, here[b], a_finer_[b]);
+  return std::nullopt;
+}
+
 void Judgement::judge_rate() {
   if (!numbers_.acts_on(field_of_u(1))) return;
   auto& answer = out_.hypotheses[rate_row_];
-  const double finer = m_a_finer_.value_or(not_a_number);
-  const bool keeps = c().m_1 > 0.0 || finer > 0.7 * c().m_A;
-  if (c().m_A > 0.0 && keeps) {
+  const auto falls = c().m_1 > 0.0 ? std::nullopt : falls_with_the_mesh();
+  if (c().m_A > 0.0 && !falls) {
     out_.rate_form = RateForm::in_v;
     return;
   }
@@ -138,9 +151,8 @@ void Judgement::judge_rate() {
   out_.rate_form = in_l2 ? RateForm::in_h : RateForm::weak;
   answer.answer = Answer::fails;
   if (c().m_A > 0.0)
-    answer.note += fmt::format(
-        "{}on this mesh only{}: A holds no gradient everywhere", answer.note.empty() ? "" : "; ",
-        std::isnan(finer) ? std::string() : fmt::format(", {:.6g} on the refined", finer));
+    answer.note += fmt::format("{}on this mesh only{}: A holds no gradient everywhere",
+                               answer.note.empty() ? "" : "; ", falls.value_or(""));
   row("H(A)", "A is coercive in H = L2: m_H", in_h, yes(in_l2), answer.origin,
       in_l2 ? "the evolution is parabolic: see `theorem`" : "");
 }

@@ -47,6 +47,7 @@ private:
   /// Coercive in V or in H? A tensor that is elliptic everywhere is the former's proof; else the
   /// least eigenvalue goes to 0 under refinement where it is the latter only.
   void judge_rate();
+  std::optional<std::string> falls_with_the_mesh() const;
   void judge_b();
   void judge_memory();
   /// The modulus B + E int q after a jump of the strain, against B: told where it leaves (0, 1].
@@ -121,7 +122,8 @@ private:
   double product_ = 0.0;                                 ///< sum c_E c_q over the kernels
   std::vector<double> memory_norms_;                     ///< ||E_m||
   std::vector<std::pair<int, std::size_t>> multipliers_; ///< unknowns, and their rows
-  std::optional<double> m_a_finer_, m_h_finer_;          ///< on the refined mesh
+  std::vector<double> a_finer_;                          ///< on the refined mesh, by unknown
+  std::optional<double> m_h_finer_;                      ///< there
 };
 
 } // namespace hvi::solver

@@ -48,53 +48,113 @@ SparseMatrix Numbers::of_field(int field) const {
   return combine(operators_, operators_.weights.row(field).transpose());
 }
 
+namespace {
+
+SparseMatrix on_rows(const SparseMatrix& matrix, const std::vector<int>& rows) {
+  std::vector<int> place(static_cast<std::size_t>(matrix.rows()), -1);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    place[static_cast<std::size_t>(rows[k])] = static_cast<int>(k);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    for (SparseMatrix::InnerIterator it(matrix, rows[k]); it; ++it)
+      if (const int column = place[static_cast<std::size_t>(it.col())]; column >= 0)
+        entries.emplace_back(static_cast<int>(k), column, it.value());
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  SparseMatrix out(n, n);
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+} // namespace
+
+/// Multipliers that the definite part does not see have a diagonal there that stands for nothing.
+Numbers::DefinitePart Numbers::definite_part_of(int field) const {
+  const SparseMatrix k = of_field(field);
+  const auto of_product = product_form(k);
+  DefinitePart out{of_product ? of_product->symmetric_part(k) : definite_part(k), {}};
+  out.rows.resize(of_product ? static_cast<std::size_t>(n_unknowns(discretisation_.space)) : 1);
+  for (int i = 0; i < layout_.n_unknowns; ++i) {
+    const std::size_t unknown = contact_.unknown_of(i);
+    if (of_product && of_product->is_multiplier(static_cast<int>(unknown)) &&
+        out.form.coeff(i, i) != 0.0)
+      continue;
+    out.rows[unknown].push_back(i);
+    for (SparseMatrix::InnerIterator it(out.form, i); it; ++it)
+      out.couples = out.couples || (it.value() != 0.0 &&
+                                    contact_.unknown_of(static_cast<int>(it.col())) != unknown);
+  }
+  return out;
+}
+
+/// Where unknowns are not coupled it is the least of their own, of which none is measured by the
+/// units of another.
 double Numbers::coercivity(int field, double pointwise) const {
   if (!acts_on(field)) return 0.0;
-  const double below = std::isfinite(pointwise) ? std::max(0.0, pointwise) : 0.0;
-  const SparseMatrix form = definite_part(of_field(field));
+  const DefinitePart part = definite_part_of(field);
+  const auto on = [&](const std::vector<int>& rows) {
+    if (std::ssize(rows) == layout_.n_unknowns) return least(part.form, gram_, rows, pointwise);
+    const GramForm gram(on_rows(gram_.matrix(), rows));
+    return least(on_rows(part.form, rows), gram, rows, pointwise);
+  };
+  std::vector<int> all;
+  double out = infinity;
+  for (const auto& rows : part.rows) {
+    if (rows.empty()) continue;
+    all.insert(all.end(), rows.begin(), rows.end());
+    if (!part.couples) out = std::min(out, on(rows));
+  }
+  std::ranges::sort(all);
+  return part.couples ? on(all) : out;
+}
+
+std::vector<double> Numbers::own_coercivities(int field) const {
+  const double size = bounding_box(discretisation_.mesh).diagonal();
+  const auto masses = masses_in_gram(discretisation_);
+  const SparseMatrix mass_of_all =
+      restrict_rows(mass(discretisation_.space), layout_).leftCols(layout_.n_unknowns);
+  const DefinitePart part = definite_part_of(field);
+  std::vector<double> out;
+  for (std::size_t b = 0; b < part.rows.size(); ++b) {
+    const auto& rows = part.rows[b];
+    SparseMatrix gram = on_rows(gram_.matrix(), rows);
+    if (masses[b] != 0) gram += (1.0 / (size * size) - 1.0) * on_rows(mass_of_all, rows);
+    out.push_back(rows.empty() ? infinity
+                               : least(on_rows(part.form, rows), GramForm(std::move(gram)), rows,
+                                       not_a_number));
+  }
+  return out;
+}
+
+double Numbers::least(const SparseMatrix& form, const GramForm& gram, const std::vector<int>& rows,
+                      double pointwise) const {
+  std::vector<std::int32_t> dofs;
+  for (const int i : rows) dofs.push_back(layout_.dof_of[static_cast<std::size_t>(i)]);
+  std::vector<DenseMatrix> motions;
+  for (const RigidMotions& of : motions_)
+    if (DenseMatrix on = of.on(dofs); !on.isZero(0.0)) motions.push_back(std::move(on));
   // A body that nothing holds has rigid motions, which strains do not see: no iteration is needed.
-  if (least_is_zero(form)) return 0.0;
-  const double least = gram_.least(form, below).value_or(not_a_number);
-  const bool held = discretisation_.dofs.held() && motions_.empty();
-  const double rounding = held ? 0.0 : 1e-10 * gram_.norm(form).value_or(0.0);
-  return std::abs(least) <= rounding ? 0.0 : least;
+  if (least_is_zero(form, gram, motions)) return 0.0;
+  const double below = std::isfinite(pointwise) ? std::max(0.0, pointwise) : 0.0;
+  const double value = gram.least(form, below).value_or(not_a_number);
+  const bool held = discretisation_.dofs.held() && motions.empty();
+  const double rounding = held ? 0.0 : 1e-10 * gram.norm(form).value_or(0.0);
+  return std::abs(value) <= rounding ? 0.0 : value;
 }
 
 /// Is the least eigenvalue rounding of the largest one? A rigid motion says that it is not above,
 /// and one factorisation that it is not below.
-bool Numbers::least_is_zero(const SparseMatrix& form) const {
-  const SparseMatrix& gram = gram_.matrix();
+bool Numbers::least_is_zero(const SparseMatrix& form, const GramForm& gram,
+                            const std::vector<DenseMatrix>& motions) const {
   // Of the largest one a single unknown says enough.
-  const double largest = (form.diagonal().array() / gram.diagonal().array()).maxCoeff();
+  const double largest = (form.diagonal().array() / gram.matrix().diagonal().array()).maxCoeff();
   const double rounding = 1e-10 * largest;
-  const std::span dofs(layout_.dof_of.data(), static_cast<std::size_t>(layout_.n_unknowns));
-  for (const RigidMotions& of : motions_) {
-    const DenseMatrix motions = of.on(dofs);
-    for (Eigen::Index i = 0; i < motions.cols(); ++i) {
-      const Vector v = motions.col(i);
-      if (v.dot(form * v) <= rounding * v.dot(gram * v)) return gram_.above(form, -rounding);
+  for (const DenseMatrix& of : motions)
+    for (Eigen::Index i = 0; i < of.cols(); ++i) {
+      const Vector v = of.col(i);
+      if (v.dot(form * v) <= rounding * v.dot(gram.matrix() * v))
+        return gram.above(form, -rounding);
     }
-  }
   return false;
-}
-
-/// Rows and columns of the unknowns that have a form on this field, of which `matrix` is part.
-SparseMatrix Numbers::of_those_with(int field, const SparseMatrix& matrix) const {
-  const std::vector<int> orders = orders_in_time(problem_);
-  std::vector<int> kept(static_cast<std::size_t>(matrix.rows()), -1);
-  int n = 0;
-  for (std::size_t i = 0; i < kept.size(); ++i)
-    if (orders[contact_.of_unknown[i]] >= field) kept[i] = n++;
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < matrix.rows(); ++i)
-    for (SparseMatrix::InnerIterator it(matrix, i); it; ++it)
-      if (const int row = kept[static_cast<std::size_t>(i)],
-          column = kept[static_cast<std::size_t>(it.col())];
-          row >= 0 && column >= 0)
-        entries.emplace_back(row, column, it.value());
-  SparseMatrix out(n, n);
-  out.setFromTriplets(entries.begin(), entries.end());
-  return out;
 }
 
 double Numbers::coercivity_in_h(int field) const {
@@ -109,8 +169,12 @@ double Numbers::coercivity_in_h(int field) const {
           : of_field(field);
   // Beside a displacement with mass a temperature has none, nor is it asked to have.
   const bool some = field == field_of_u(2) && has_several_unknowns();
-  const GramForm gram(some ? of_those_with(field, l2) : l2);
-  return gram.least(some ? of_those_with(field, form) : form).value_or(not_a_number);
+  if (!some) return GramForm(l2).least(form).value_or(not_a_number);
+  const std::vector<int> orders = orders_in_time(problem_);
+  std::vector<int> rows;
+  for (int i = 0; i < layout_.n_unknowns; ++i)
+    if (orders[contact_.unknown_of(i)] >= field) rows.push_back(i);
+  return GramForm(on_rows(l2, rows)).least(on_rows(form, rows)).value_or(not_a_number);
 }
 
 double Numbers::memory_norm(int m) const {

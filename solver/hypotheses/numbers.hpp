@@ -28,6 +28,10 @@ public:
   /// Least eigenvalue against the Gram matrix (0 for no form, NaN when not found). `pointwise`: a
   /// lower bound of it where the form is one of strains alone.
   double coercivity(int field, double pointwise) const;
+  /// The same of each unknown's own part of the form; of multipliers infinity. A mass in the Gram
+  /// matrix is divided by the square of the body's size here: what they become on a finer mesh does
+  /// not depend on units.
+  std::vector<double> own_coercivities(int field) const;
   /// The same against the mass matrix: coercivity in H = L2.
   double coercivity_in_h(int field) const;
   /// How well the others see an unknown without a form of its own; nothing for other unknowns.
@@ -59,8 +63,16 @@ public:
   const Vector& shares() const { return shares_; }
 
 private:
-  bool least_is_zero(const SparseMatrix& form) const;
-  SparseMatrix of_those_with(int field, const SparseMatrix& matrix) const;
+  struct DefinitePart {
+    SparseMatrix form;
+    std::vector<std::vector<int>> rows; ///< by unknown; of multipliers that it does not see none
+    bool couples = false;               ///< entries between unknowns
+  };
+  DefinitePart definite_part_of(int field) const;
+  double least(const SparseMatrix& form, const GramForm& gram, const std::vector<int>& rows,
+               double pointwise) const;
+  bool least_is_zero(const SparseMatrix& form, const GramForm& gram,
+                     const std::vector<DenseMatrix>& motions) const;
 
   const Problem& problem_;
   const Discretisation& discretisation_;

@@ -18,7 +18,7 @@ void Judgement::refine_norms() {
   if (!discretise_on(plan_, refine(d_.mesh), fine).empty()) return;
   const Numbers finer(plan_, fine);
   if (numbers_.acts_on(field_of_u(1)) && !(c().m_1 > 0.0)) {
-    m_a_finer_ = finer.coercivity(field_of_u(1), not_a_number);
+    a_finer_ = finer.own_coercivities(field_of_u(1));
     m_h_finer_ = finer.coercivity_in_h(field_of_u(1));
   }
   refine_inf_sup(finer);

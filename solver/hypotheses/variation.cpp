@@ -12,9 +12,9 @@ namespace hvi::solver {
 namespace {
 
 constexpr std::size_t most_variables = 6;
-constexpr double far = 1e9;
-/// A derivative that is so much larger far out than near grows without end.
-constexpr double grows = 1e3;
+/// Beyond all that inputs are, in any units. A derivative that is so much larger there than where
+/// inputs are a thousandth of that grows without end.
+constexpr double far = 1e15, less_far = 1e12, grows = 10.0;
 /// Sides of a comparison that are meant to meet.
 constexpr double rounding = 1e-12;
 constexpr SearchEffort effort{4000, 1e-6, 0.0};
@@ -61,7 +61,7 @@ Variation VariationSearch::of(const Expr& f, const std::vector<Slot>& by) const 
   Expr sum = 0.0;
   for (const Slot s : by) sum = sum + abs(derivative(f, s));
   Variation out{largest(sum, far), largest(sum, 1.0)};
-  if (out.everywhere.low > grows * std::max(out.near.low, 1.0 / grows))
+  if (out.everywhere.low > grows * largest(sum, less_far).low)
     out.everywhere = Bracket::exactly(infinity);
   for (const Slot s : by) out.jumps = std::max(out.jumps, jumps(f, s));
   if (out.jumps == Jumps::found) out.everywhere = Bracket::exactly(infinity);

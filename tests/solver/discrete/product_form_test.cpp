@@ -45,5 +45,16 @@ TEST(ProductForm, MultipliersAreNotSeen) {
   EXPECT_NEAR(least(k, laws_on_first), 2.0, 1e-12);
 }
 
+/// [2, a; b, 0] in other units of the second unknown: its couplings cancel, or do not, all the
+/// same.
+TEST(ProductForm, MultipliersHaveAnyUnits) {
+  for (const double unit : {0x1p-50, 1.0, 0x1p50}) {
+    EXPECT_NEAR(least(blocks(-unit, unit, 0.0), laws_on_first), 2.0, 1e-12) << unit;
+    SparseMatrix seen = blocks(-unit, unit, 0.0);
+    seen.coeffRef(0, 3) = 0.5 * unit;
+    EXPECT_LE(least(seen, laws_on_first), 0.0) << unit;
+  }
+}
+
 } // namespace
 } // namespace hvi::solver
