@@ -287,7 +287,7 @@ def verdicts(program, folder, name):
     """What `check` says that does not depend on units."""
     done = subprocess.run([program, "check", f"{name}.hvi", "--json", f"{name}.json"], cwd=folder, capture_output=True, text=True, timeout=300)
     rows = json.loads((folder / f"{name}.json").read_text())["hypotheses"]
-    return ([(row["name"], row["holds"]) for row in rows if row["name"] in ("H(A)", "H(J)", "H(f)", "theorem")]
+    return ([(row["name"], row["holds"]) for row in rows if row["name"] in ("H(A)", "H(J)", "H(f)", "rates", "theorem")]
             + [re.sub(r"k < [-+.e\d]+", "k", line) for line in done.stdout.split("\n") if line.startswith(("discrete problem", "continuous problem"))])
 
 

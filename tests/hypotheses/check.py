@@ -210,6 +210,30 @@ assert says(report, "theorem", "u in H1")["holds"] is False and says(report, "th
 report = bar(f"integral(half, dot(grad(u'), grad(v))) + {B}", "--strict", code=4)
 assert not report["verdict"]["continuous"]["holds"]
 
+# So it is where a viscosity is coercive in V and the capacity of a temperature is not, in units in which that is large or small; held or not.
+with tempfile.TemporaryDirectory() as warm:
+    for capacity, zero in ((1, ", zero on roof"), (1e8, ", zero on roof"), (1e-8, ", zero on roof"), (1e8, "")):
+        for size in (1, 1000):
+            pathlib.Path(warm, "warm.hvi").write_text(f"""mesh slab = rectangle({2 * size}, {size}, cells = [4, 2])
+part roof = slab.top
+part ground = slab.bottom
+tensor B = isotropic(young = 70, poisson = 0.3)
+superpotential p(r) with slope | r < 0 -> 0 | otherwise -> r
+space V = vector P1 on slab, zero on roof
+space W = scalar P1 on slab{zero}
+find u in V, theta in W for t in [0, 1] by 10 steps from u = 0, theta = 0
+such that for all v in V, eta in W
+    integral(slab, B : eps(u') : eps(v)) + integral(slab, B : eps(u) : eps(v)) + integral(ground, p^0(u.nu; v.nu))
+  + integral(slab, {capacity}*theta'*eta + {capacity * size**2}*dot(grad(theta), grad(eta)))
+ >= integral(slab, dot([0, -10*t], v))
+report
+  table down = u.y at [{size}, 0]
+""")
+            report = check(pathlib.Path(warm, "warm.hvi"))
+            row = says(report, "H(A)", "A is coercive in V")
+            assert row["holds"] is False and "`theta`" in row["note"], (capacity, zero, size, row)
+            assert "H1(0, T; V)" in report["verdict"]["continuous"]["says"] or not zero, report["verdict"]
+
 # Static problems have the static theorem, which needs (H0).
 report = bar(B, "--strict", time="")
 assert "static" in report["verdict"]["continuous"]["says"] and report["constants"]["tau_0"] == {}
