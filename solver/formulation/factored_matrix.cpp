@@ -4,6 +4,7 @@
 #include "solver/inequality/iterative_operator.hpp"
 #include "solver/linear/changed_unknowns.hpp"
 #include "solver/linear/condition_estimate.hpp"
+#include "solver/linear/dense.hpp"
 #include "solver/linear/indefinite.hpp"
 #include "solver/linear/iterative_factorisation.hpp"
 #include "solver/linear/separate.hpp"
@@ -155,13 +156,21 @@ void FactoredMatrix::take_for_a_factor() {
   factorisation_->factor(k_);
 }
 
+/// Where laws act on one of several unknowns what is left of the others on it may be symmetric and
+/// positive definite, as A + B C^-1 B^T of a porous body, when K is not.
+bool FactoredMatrix::has_an_energy() const {
+  constexpr double rounding = 1e-11;
+  return !contact_.of_unknown.empty() && !contact_.mixed &&
+         is_positive_definite(factorisation_->schur(), rounding);
+}
+
 std::unique_ptr<ReducedOperator> FactoredMatrix::reduced_operator() const {
   const bool symmetric = this->symmetric() && !contact_.mixed;
   if (iterations_)
     return std::make_unique<IterativeOperator>(rows_of_iterations(), symmetric, *iterations_,
                                                !contact_.of_unknown.empty());
   if (contact_.whole) return sparse_operator(free_ ? held() : k_, symmetric);
-  return dense_operator(factorisation_.kept(), symmetric);
+  return dense_operator(factorisation_.kept(), symmetric || has_an_energy());
 }
 
 FactorStatistics FactoredMatrix::statistics() const {

@@ -68,6 +68,7 @@ private:
   void factor_dealt();
   const MatrixRows& rows_of_iterations() const;
   void take_for_a_factor();
+  bool has_an_energy() const;
   bool symmetric() const;
   void set_matrix(SparseMatrix& k);
   void prepare_iterations();

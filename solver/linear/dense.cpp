@@ -124,6 +124,14 @@ DenseCholesky::DenseCholesky(const DenseMatrix& g) : lower_(g) {
   positive_ = info == 0 && lower_.diagonal().allFinite();
 }
 
+bool is_positive_definite(const DenseMatrix& a, double rounding) {
+  const Vector root = a.diagonal().cwiseAbs().cwiseSqrt();
+  for (Eigen::Index j = 0; j < a.cols(); ++j)
+    for (Eigen::Index i = 0; i < j; ++i)
+      if (!(std::abs(a(i, j) - a(j, i)) <= rounding * root[i] * root[j])) return false;
+  return DenseCholesky(a).positive();
+}
+
 DenseMatrix DenseCholesky::lower() const {
   return positive_ ? DenseMatrix(lower_.triangularView<Eigen::Lower>())
                    : no_answer(lower_.rows(), lower_.cols());

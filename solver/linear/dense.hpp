@@ -46,6 +46,9 @@ private:
   bool positive_ = true;
 };
 
+/// Is it symmetric, to this part of the roots of its diagonal's products, and positive definite?
+bool is_positive_definite(const DenseMatrix& a, double rounding);
+
 /// a = P L U with row pivoting, a square.
 class DenseLu {
 public:

@@ -51,6 +51,16 @@ void expect_near(const DenseMatrix& a, const DenseMatrix& b, double tolerance) {
   EXPECT_LE(largest(a - b), tolerance * largest(b)) << a.rows() << " by " << a.cols();
 }
 
+TEST(DenseMatrices, ArePositiveDefiniteInAnyUnits) {
+  DenseMatrix a(2, 2);
+  a << 2e12, 1.0, 1.0, 1e-12;
+  EXPECT_TRUE(is_positive_definite(a, 1e-11));
+  a(0, 1) += 1e-10;
+  EXPECT_FALSE(is_positive_definite(a, 1e-11)); // not symmetric
+  a << 2e12, 2.0, 2.0, 1e-12;
+  EXPECT_FALSE(is_positive_definite(a, 1e-11)); // not definite
+}
+
 TEST_F(Dense, SpectraAreEigens) {
   for (int i = 0; i < scenes; ++i) {
     const DenseMatrix a = symmetric(size(1, 40));
