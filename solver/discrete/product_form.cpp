@@ -26,18 +26,32 @@ BlockSums sums_of(const SparseMatrix& k, std::span<const std::uint8_t> of_unknow
   return out;
 }
 
+/// Which unknowns read which, directly or through others; each itself.
+Couplings through_others(Couplings reads) {
+  for (std::size_t a = 0; a < reads.size(); ++a) reads[a][a] = true;
+  for (std::size_t by = 0; by < reads.size(); ++by)
+    for (std::size_t a = 0; a < reads.size(); ++a)
+      for (std::size_t b = 0; b < reads.size(); ++b)
+        reads[a][b] = reads[a][b] || (reads[a][by] && reads[by][b]);
+  return reads;
+}
+
 } // namespace
 
 ProductForm::ProductForm(const SparseMatrix& k, std::span<const std::uint8_t> of_unknown,
-                         std::span<const char> with_laws)
+                         std::span<const char> with_laws, const Couplings& couplings)
     : of_unknown_(of_unknown) {
   weights_.fill(1.0);
+  const Couplings reads = through_others(couplings);
+  for (std::size_t a = 0; a < most; ++a)
+    for (std::size_t b = 0; b < most; ++b) both_ways_[a][b] = reads[a][b] && reads[b][a];
   const BlockSums sums = sums_of(k, of_unknown);
   for (std::size_t b = 0; b < with_laws.size(); ++b) {
     multiplier_[b] = sums.squares[b][b] == 0.0 && with_laws[b] == 0;
     if (b == 0) continue;
     double above = 0.0, below = 0.0; // of the least squares
     for (std::size_t a = 0; a < b; ++a) {
+      if (!both_ways_[a][b]) continue;
       above -= weights_[a] * sums.mirrored[a][b];
       below += sums.squares[b][a];
     }
@@ -58,7 +72,7 @@ SparseMatrix ProductForm::weighted(const SparseMatrix& form) const {
   SparseMatrix out = form;
   for (int i = 0; i < out.rows(); ++i)
     for (SparseMatrix::InnerIterator it(out, i); it; ++it)
-      it.valueRef() *= weights_[of_unknown_[i]];
+      it.valueRef() *= weight(of_unknown_[i], of_unknown_[it.col()]);
   return 0.5 * (out + SparseMatrix(out.transpose()));
 }
 

@@ -67,7 +67,8 @@ std::optional<Multiplier> Multiplier::of(const OnMesh& on, int unknown) {
   SparseMatrix couplings(on.layout.n_unknowns, on.layout.n_unknowns);
   for (const int field : {field_of_u(0), field_of_u(1)})
     couplings += combine(on.operators, on.operators.weights.row(field).transpose());
-  const ProductForm form(couplings, of_unknown, unknowns_with_laws(on.problem));
+  const ProductForm form(couplings, of_unknown, unknowns_with_laws(on.problem),
+                         couplings_of(on.problem));
   if (!form.is_multiplier(unknown)) return std::nullopt;
   return Multiplier(on, couplings, unknown);
 }

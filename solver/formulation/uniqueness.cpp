@@ -158,9 +158,13 @@ void Uniqueness::judge_condensed(const SparseMatrix& k, const DenseMatrix& s) {
   for (int i = 0; i < descent.rows(); ++i)
     for (SparseMatrix::InnerIterator it(descent, i); it; ++it) rest(i, it.col()) -= it.value();
   if (!contact_.of_unknown.empty()) {
-    const ProductForm form(k, contact_.of_unknown, unknowns_with_laws(problem_));
-    for (Eigen::Index i = 0; i < rest.rows(); ++i)
-      rest.row(i) *= form.weight(contact_.problem.of_unknown[static_cast<std::size_t>(i)]);
+    const ProductForm form(k, contact_.of_unknown, unknowns_with_laws(problem_),
+                           couplings_of(problem_));
+    const auto& unknown = contact_.problem.of_unknown;
+    for (Eigen::Index j = 0; j < rest.cols(); ++j)
+      for (Eigen::Index i = 0; i < rest.rows(); ++i)
+        rest(i, j) *=
+            form.weight(unknown[static_cast<std::size_t>(i)], unknown[static_cast<std::size_t>(j)]);
   }
   for (Eigen::Index j = 0; j < rest.cols(); ++j)
     for (Eigen::Index i = 0; i < j; ++i) rest(i, j) = rest(j, i) = 0.5 * (rest(i, j) + rest(j, i));
@@ -211,7 +215,8 @@ bool DescentTest::passes(const Eigen::VectorXd& c) {
     rest = SparseMatrix(rest - descent_);
   if (!contact_.of_unknown.empty())
     rest =
-        ProductForm(rest, contact_.of_unknown, unknowns_with_laws(problem_)).symmetric_part(rest);
+        ProductForm(rest, contact_.of_unknown, unknowns_with_laws(problem_), couplings_of(problem_))
+            .symmetric_part(rest);
   else if (!operators_.symmetric)
     rest = SparseMatrix(0.5 * (rest + SparseMatrix(rest.transpose())));
   try {

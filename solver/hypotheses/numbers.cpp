@@ -31,7 +31,7 @@ TraceNorms Numbers::traces() const {
 
 std::optional<ProductForm> Numbers::product_form(const SparseMatrix& k) const {
   if (!has_several_unknowns()) return std::nullopt;
-  return ProductForm(k, contact_.of_unknown, unknowns_with_laws(problem_));
+  return ProductForm(k, contact_.of_unknown, unknowns_with_laws(problem_), couplings_of(problem_));
 }
 
 SparseMatrix Numbers::definite_part(const SparseMatrix& k) const {
@@ -125,6 +125,32 @@ std::vector<double> Numbers::own_coercivities(int field) const {
   return out;
 }
 
+namespace {
+
+/// Is the least eigenvalue rounding of the largest one? A rigid motion says that it is not above,
+/// and one factorisation that it is not below. Both beside the form's own entries: beside the Gram
+/// matrix, of which such a motion has the mass alone, they would depend on units.
+bool least_is_zero(const SparseMatrix& form, const std::vector<DenseMatrix>& motions) {
+  constexpr double rounding = 1e-10;
+  const auto not_below = [&] {
+    const SparseMatrix diagonal(form.diagonal().asDiagonal());
+    try {
+      GramForm(form + rounding * diagonal);
+      return true;
+    } catch (const NotFactorable&) {
+      return false;
+    }
+  };
+  for (const DenseMatrix& of : motions)
+    for (Eigen::Index i = 0; i < of.cols(); ++i) {
+      const Vector v = of.col(i), size = v.cwiseAbs();
+      if (v.dot(form * v) <= rounding * size.dot(form.cwiseAbs() * size)) return not_below();
+    }
+  return false;
+}
+
+} // namespace
+
 double Numbers::least(const SparseMatrix& form, const GramForm& gram, const std::vector<int>& rows,
                       double pointwise) const {
   std::vector<std::int32_t> dofs;
@@ -133,28 +159,12 @@ double Numbers::least(const SparseMatrix& form, const GramForm& gram, const std:
   for (const RigidMotions& of : motions_)
     if (DenseMatrix on = of.on(dofs); !on.isZero(0.0)) motions.push_back(std::move(on));
   // A body that nothing holds has rigid motions, which strains do not see: no iteration is needed.
-  if (least_is_zero(form, gram, motions)) return 0.0;
+  if (least_is_zero(form, motions)) return 0.0;
   const double below = std::isfinite(pointwise) ? std::max(0.0, pointwise) : 0.0;
   const double value = gram.least(form, below).value_or(not_a_number);
   const bool held = discretisation_.dofs.held() && motions.empty();
   const double rounding = held ? 0.0 : 1e-10 * gram.norm(form).value_or(0.0);
   return std::abs(value) <= rounding ? 0.0 : value;
-}
-
-/// Is the least eigenvalue rounding of the largest one? A rigid motion says that it is not above,
-/// and one factorisation that it is not below.
-bool Numbers::least_is_zero(const SparseMatrix& form, const GramForm& gram,
-                            const std::vector<DenseMatrix>& motions) const {
-  // Of the largest one a single unknown says enough.
-  const double largest = (form.diagonal().array() / gram.matrix().diagonal().array()).maxCoeff();
-  const double rounding = 1e-10 * largest;
-  for (const DenseMatrix& of : motions)
-    for (Eigen::Index i = 0; i < of.cols(); ++i) {
-      const Vector v = of.col(i);
-      if (v.dot(form * v) <= rounding * v.dot(gram.matrix() * v))
-        return gram.above(form, -rounding);
-    }
-  return false;
 }
 
 double Numbers::coercivity_in_h(int field) const {

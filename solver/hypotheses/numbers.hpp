@@ -71,8 +71,6 @@ private:
   DefinitePart definite_part_of(int field) const;
   double least(const SparseMatrix& form, const GramForm& gram, const std::vector<int>& rows,
                double pointwise) const;
-  bool least_is_zero(const SparseMatrix& form, const GramForm& gram,
-                     const std::vector<DenseMatrix>& motions) const;
 
   const Problem& problem_;
   const Discretisation& discretisation_;

@@ -6,7 +6,7 @@ A scene is written with the dimension of each number, `<3;F L-2>`, and solved tw
 temperature K and voltage V. These are powers of two, so that no number is rounded in being written. Bodies with friction, memories, inertia and
 states; pastes; flows that slip; pore water; heat that friction makes, in one body or two; heated pastes; currents through contacts; bodies that laws alone hold;
 piezoelectric and damaged ones. Each column of the table must be the same but for its own unit, and so must what `check` says of A, the laws, the loads,
-and what theorems and steps have one solution. (m_B, and what follows from it, depends on units where an equation couples u and u' with another unknown.)
+and what theorems and steps have one solution. (m_B, and what follows from it, depends on units where two unknowns act on each other, by u and by u'.)
 """
 import argparse
 import json
@@ -283,11 +283,12 @@ def compared(program, folder, scene, plain, other, unit):
     return (f"another answer, {worst:.1e}" if worst > SAME else ""), worst
 
 
-def verdicts(program, folder, name):
+def verdicts(program, folder, name, scene):
     """What `check` says that does not depend on units."""
     done = subprocess.run([program, "check", f"{name}.hvi", "--json", f"{name}.json"], cwd=folder, capture_output=True, text=True, timeout=300)
     rows = json.loads((folder / f"{name}.json").read_text())["hypotheses"]
-    return ([(row["name"], row["holds"]) for row in rows if row["name"] in ("H(A)", "H(J)", "H(f)", "rates", "theorem")]
+    judged = ("H(A)", "H(J)", "H(f)", "rates", "theorem") + (() if scene.kind == scene.pores else ("H(B)", "(H0)"))
+    return ([(row["name"], row["holds"]) for row in rows if row["name"] in judged]
             + [re.sub(r"k < [-+.e\d]+", "k", line) for line in done.stdout.split("\n") if line.startswith(("discrete problem", "continuous problem"))])
 
 
@@ -308,7 +309,7 @@ def main():
             plain, other = written(scene.text, dict.fromkeys(REACH, 0)), written(scene.text, units)
             folder = words.keep or pathlib.Path(name)
             said, apart = compared(program, folder, scene, plain, other, lambda dimension: factor(dimension, units))
-            first, second = (verdicts(program, folder, script) for script in ("plain", "other"))
+            first, second = (verdicts(program, folder, script, scene) for script in ("plain", "other"))
         if first != second:
             said += "; other verdicts: " + ", ".join(f"{a} and {b}" for a, b in zip(first, second) if a != b)
         worst = max(worst, apart)
