@@ -234,6 +234,28 @@ report
             assert row["holds"] is False and "`theta`" in row["note"], (capacity, zero, size, row)
             assert "H1(0, T; V)" in report["verdict"]["continuous"]["says"] or not zero, report["verdict"]
 
+# Heat swells the body, however strongly: it does not act back, in K and in what is left of it on the unknowns of laws.
+with tempfile.TemporaryDirectory() as warm:
+    pathlib.Path(warm, "warm.hvi").write_text("""mesh slab = rectangle(0.2, 0.1, cells = [8, 4])
+part roof = slab.top
+part ground = slab.bottom
+tensor B = isotropic(young = 2e11, poisson = 0.3)
+superpotential press(r) = 5e12*max(0, r)^2
+superpotential sink(s) = 10*s^2
+space V = vector P1 on slab, zero on roof
+space W = scalar P1 on slab, zero on roof
+find u in V, theta in W for t in [0, 1] by 4 steps from u = 0, theta = 0
+such that for all v in V, eta in W
+    integral(slab, B : eps(u) : eps(v) - 1e11*theta*div(v)) + integral(slab, 3.6e6*theta'*eta + 50*dot(grad(theta), grad(eta)))
+  + integral(ground, press^0(u.nu; v.nu) + sink^0(theta; eta))
+ >= integral(ground, 1e4*t*eta)
+report
+  table warm = theta at [0.1, 0]
+""")
+    assert check(pathlib.Path(warm, "warm.hvi"))["verdict"]["discrete"]["holds"]
+    run = subprocess.run([hvi_run, pathlib.Path(warm, "warm.hvi"), "--no-files", "--json", "-"], capture_output=True, text=True)
+    assert json.loads(run.stdout)["uniqueness"] == "guaranteed", run
+
 # Static problems have the static theorem, which needs (H0).
 report = bar(B, "--strict", time="")
 assert "static" in report["verdict"]["continuous"]["says"] and report["constants"]["tau_0"] == {}
